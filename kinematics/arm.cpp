@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <modsearch/kinematics/arm.hpp>
+#include <stdexcept>
+
+namespace modsearch {
+namespace {
+
+double least_size(const Shape& shape) {
+  struct Visitor {
+    double operator()(const Sphere& s) const { return s.radius; }
+    double operator()(const Box& b) const { return b.size.minCoeff(); }
+    double operator()(const Cylinder& c) const { return std::min(c.radius, c.length); }
+    double operator()(const Capsule& c) const { return std::min(c.radius, c.length); }
+    double operator()(const Mesh&) const { return 0.0; }
+  };
+  return std::visit(Visitor{}, shape);
+}
+
+// Rotates the frame about its own z axis: only its first two columns change.
+void turn_about_z(Eigen::Isometry3d& X, double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  const Eigen::Vector3d x_axis = X.linear().col(0);
+  const Eigen::Vector3d y_axis = X.linear().col(1);
+  X.linear().col(0) = c * x_axis + s * y_axis;
+  X.linear().col(1) = c * y_axis - s * x_axis;
+}
+
+// X_AC = X_AB * X_BC without the last row of the 4 x 4 matrices.
+void compose(const Eigen::Isometry3d& X_AB, const Eigen::Isometry3d& X_BC, Eigen::Isometry3d& X_AC) {
+  X_AC.linear().noalias() = X_AB.linear() * X_BC.linear();
+  X_AC.translation().noalias() = X_AB.linear() * X_BC.translation();
+  X_AC.translation() += X_AB.translation();
+  X_AC.makeAffine();
+}
+
+}  // namespace
+
+Arm::Arm(const Chain& chain, const Eigen::VectorXd& x) : chain_{&chain} {
+  segments_.resize(static_cast<std::size_t>(chain.n_joints()) + 1, Eigen::Isometry3d::Identity());
+  for (std::size_t b = 0; b < chain.bodies().size(); ++b) {
+    for (std::size_t g = 0; g < chain.bodies()[b].geometries.size(); ++g) {
+      geometries_.push_back({static_cast<int>(b), chain.bodies()[b].frame, {}, Eigen::Isometry3d::Identity(), 0.0});
+    }
+  }
+  set_parameters(x);
+}
+
+void Arm::set_parameters(const Eigen::VectorXd& x) {
+  if (x.size() != chain_->n_parameters()) {
+    throw std::invalid_argument(
+        fmt::format("Arm: {} parameters given, the chain has {}", x.size(), chain_->n_parameters()));
+  }
+  x_ = x;
+  for (int j = 0; j <= n_joints(); ++j) {
+    const AffinePose& segment = chain_->segment(j);
+    Eigen::Isometry3d& X = segments_[static_cast<std::size_t>(j)];
+    X.linear() = segment.rotation;
+    X.translation() = segment.translation.at(x);
+  }
+  std::size_t index = 0;
+  for (const Body& body : chain_->bodies()) {
+    for (const BodyGeometry& geometry : body.geometries) {
+      ArmGeometry& filled = geometries_[index++];
+      filled.shape = geometry.shape.at(x);
+      if (!(least_size(filled.shape) >= 0.0)) {  // catches NaN too
+        throw std::invalid_argument(
+            fmt::format("Arm: body '{}' has a size of {} m at the given parameters", body.name,
+                        least_size(filled.shape)));
+      }
+      filled.X_FG.linear() = geometry.X_FG.rotation;
+      filled.X_FG.translation() = geometry.X_FG.translation.at(x);
+      filled.bounding_radius = bounding_radius(filled.shape);
+    }
+  }
+}
+
+Posture Arm::forward(const Eigen::VectorXd& q) const {
+  if (q.size() != n_joints()) {
+    throw std::invalid_argument(fmt::format("Arm: {} joint values given, the chain has {}", q.size(), n_joints()));
+  }
+  Posture posture;
+  forward(q.data(), posture);
+  return posture;
+}
+
+void Arm::forward(const double* q, Posture& posture) const {
+  const auto n = static_cast<std::size_t>(n_joints());
+  posture.frames.resize(n + 1, Eigen::Isometry3d::Identity());
+  posture.frames[0].setIdentity();
+  for (std::size_t j = 0; j < n; ++j) {
+    Eigen::Isometry3d& X_WF = posture.frames[j + 1];
+    compose(posture.frames[j], segments_[j], X_WF);
+    if (chain_->joints()[j].rotates()) {
+      turn_about_z(X_WF, q[j]);
+    } else {
+      X_WF.translation() += q[j] * X_WF.linear().col(2);
+    }
+  }
+  compose(posture.frames[n], segments_[n], posture.tip);
+}
+
+Eigen::Matrix3Xd Arm::point_jacobian_q(const Posture& posture, int frame, const Eigen::Vector3d& p_W) const {
+  Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, n_joints());
+  for (int j = 0; j < frame; ++j) {
+    const Eigen::Vector3d axis = posture.axis(j);
+    J.col(j) = chain_->joints()[static_cast<std::size_t>(j)].rotates() ? axis.cross(p_W - posture.origin(j)).eval()
+                                                                       : axis;
+  }
+  return J;
+}
+
+Eigen::Matrix3Xd Arm::frame_jacobian_x(const Posture& posture, int frame) const {
+  Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, chain_->n_parameters());
+  for (int j = 0; j < frame; ++j) {
+    for (const AffineVector::Term& term : chain_->segment(j).translation.terms) {
+      J.col(term.parameter) += posture.frames[static_cast<std::size_t>(j)].linear() * term.direction;
+    }
+  }
+  return J;
+}
+
+Eigen::Matrix<double, 6, Eigen::Dynamic> Arm::tip_jacobian_q(const Posture& posture) const {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, n_joints());
+  J.topRows<3>() = point_jacobian_q(posture, n_joints(), posture.tip.translation());
+  for (int j = 0; j < n_joints(); ++j) {
+    const bool rotates = chain_->joints()[static_cast<std::size_t>(j)].rotates();
+    J.bottomRows<3>().col(j) = rotates ? posture.axis(j) : Eigen::Vector3d::Zero().eval();
+  }
+  return J;
+}
+
+Eigen::Matrix3Xd Arm::tip_jacobian_x(const Posture& posture) const {
+  return frame_jacobian_x(posture, n_joints() + 1);
+}
+
+Eigen::MatrixXd Arm::tip_hessian(const Posture& posture, const Eigen::Vector3d& y) const {
+  const int n_x = chain_->n_parameters();
+  const int n_q = n_joints();
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n_x + n_q, n_x + n_q);
+  const Eigen::Matrix3Xd J_q = point_jacobian_q(posture, n_q, posture.tip.translation());
+  // Only the lengths beyond joint i turn with it; walk from the tip inwards and add them up.
+  Eigen::Matrix3Xd J_x_beyond = Eigen::Matrix3Xd::Zero(3, n_x);
+  for (int i = n_q - 1; i >= 0; --i) {
+    for (const AffineVector::Term& term : chain_->segment(i + 1).translation.terms) {
+      J_x_beyond.col(term.parameter) += posture.frames[static_cast<std::size_t>(i) + 1].linear() * term.direction;
+    }
+    if (!chain_->joints()[static_cast<std::size_t>(i)].rotates()) continue;
+    // y . (axis x v) = (y x axis) . v
+    const Eigen::Vector3d w = y.cross(posture.axis(i));
+    for (int j = i; j < n_q; ++j) H(n_x + i, n_x + j) = H(n_x + j, n_x + i) = w.dot(J_q.col(j));
+    H.row(n_x + i).head(n_x) = w.transpose() * J_x_beyond;
+    H.col(n_x + i).head(n_x) = H.row(n_x + i).head(n_x).transpose();
+  }
+  return H;
+}
+
+double Arm::reach() const {
+  double span = 0.0;
+  for (int j = 1; j <= n_joints(); ++j) span += segments_[static_cast<std::size_t>(j)].translation().norm();
+  for (const Joint& joint : chain_->joints()) {
+    if (!joint.rotates()) span += std::max(std::abs(joint.lower), std::abs(joint.upper));
+  }
+  return n_joints() == 0 ? segments_[0].translation().norm() : span;
+}
+
+}  // namespace modsearch

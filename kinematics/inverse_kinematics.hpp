@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <modsearch/kinematics/arm.hpp>
+#include <modsearch/kinematics/pose_region.hpp>
+#include <vector>
+
+namespace modsearch {
+
+struct IkOptions {
+  /// Starts of the local search for chains of more than three joints (and for regions other than balls): a fixed
+  /// low-discrepancy set over the joint limits. Its size is part of the definition of "reachable" there (PROBLEM 3).
+  int starts = 32;
+  /// Steps of one local search at most.
+  int iterations = 64;
+  /// Postures whose error is within this of the least one count as equally close [m].
+  double tie = 1e-9;
+  /// One-parameter families of equally close postures are given at this many points.
+  int family_points = 256;
+  /// All equally close postures are wanted; false: one is enough, which is much cheaper.
+  bool all = true;
+};
+
+/// Postures that bring the tip as close to a region as the arm can.
+struct IkSolution {
+  bool reached = false;   ///< the region contains the tip at `postures`
+  bool exact = false;     ///< the verdict and `position_error` are exact, not those of a finite set of starts
+  /// Distance of the tip from the nominal position at the best posture [m].
+  double position_error = 0.0;
+  /// Norm of the violations at the best posture, in the projections' own units; 0 when reached.
+  double violation = 0.0;
+  /// Equally close postures [n_joints] within the limits, distinct, in a fixed order; at least one.
+  std::vector<Eigen::VectorXd> postures;
+  std::int64_t iterations = 0;  ///< steps of local searches, and forward kinematics
+  std::int64_t forward = 0;
+};
+
+/// Inverse kinematics with joint limits: the posture(s) with the tip closest to the region.
+///
+/// "Closest" means the least distance of the tip from the nominal position for a ball, the least norm of the violations
+/// otherwise. Balls and at most three joints: exact, by a scan with closed forms, refined by Newton's method. Otherwise
+/// a fixed low-discrepancy set of starts, each refined by a projected Levenberg-Marquardt method. A function of its
+/// arguments: no random numbers, no clock.
+[[nodiscard]] IkSolution inverse_kinematics(const Arm& arm, const PoseRegion& region, const IkOptions& options = {});
+
+}  // namespace modsearch
