@@ -5,7 +5,7 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)          # Eigen3::Eigen
 find_package(fcl 0.7 REQUIRED)                       # fcl
 find_package(Ceres 2.1 REQUIRED)                     # Ceres::ceres
 find_package(nlohmann_json 3.11 REQUIRED)            # nlohmann_json::nlohmann_json
-find_package(CLI11 2.3 REQUIRED)                     # CLI11::CLI11
+find_package(CLI11 2.1 REQUIRED)                     # CLI11::CLI11
 find_package(fmt 9 REQUIRED)                         # fmt::fmt
 find_package(assimp 5.2 REQUIRED)                    # assimp::assimp
 
@@ -18,8 +18,10 @@ target_link_libraries(modsearch_ipopt INTERFACE PkgConfig::IPOPT)
 add_library(modsearch_nlopt INTERFACE)
 target_link_libraries(modsearch_nlopt INTERFACE PkgConfig::NLOPT)
 
-# OMPL 1.5 gives variables, no target.
+# OMPL 1.5 gives variables, no target. Of its libraries we use OMPL alone; the others (boost_serialization, ode) are what
+# OMPL itself was linked with, by paths that are there only where their development packages are installed too.
 find_package(ompl 1.5 REQUIRED)
+list(FILTER OMPL_LIBRARIES INCLUDE REGEX "/libompl\\.")
 add_library(modsearch_ompl INTERFACE)
-target_include_directories(modsearch_ompl SYSTEM INTERFACE ${OMPL_INCLUDE_DIRS})
-target_link_libraries(modsearch_ompl INTERFACE ${OMPL_LIBRARIES})
+target_include_directories(modsearch_ompl SYSTEM INTERFACE ${OMPL_INCLUDE_DIR})
+target_link_libraries(modsearch_ompl INTERFACE ${OMPL_LIBRARIES} Eigen3::Eigen)

@@ -6,3 +6,10 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/modsearchConfigVersion.c
 install(FILES "${PROJECT_BINARY_DIR}/modsearchConfig.cmake" "${PROJECT_BINARY_DIR}/modsearchConfigVersion.cmake"
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/modsearch)
 install(FILES modsearch.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/modsearch)
+
+# <modsearch/modsearch.hpp> in the build tree, for the examples and tests.
+add_library(modsearch_umbrella INTERFACE)
+file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/include/umbrella/modsearch")
+file(CREATE_LINK "${PROJECT_SOURCE_DIR}/modsearch.hpp"
+     "${PROJECT_BINARY_DIR}/include/umbrella/modsearch/modsearch.hpp" SYMBOLIC)
+target_include_directories(modsearch_umbrella INTERFACE "${PROJECT_BINARY_DIR}/include/umbrella")

@@ -1,0 +1,81 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds everything and runs the tests. May be run again at any time: only what is left to do
+# is done.
+usage='usage: ./test.sh [--slow] [options of ctest]
+  --slow   runs the tests labelled slow too
+Example: ./test.sh -R Chain        only the tests whose name contains "Chain"
+CI=true in the environment turns compiler warnings into errors.'
+set -euo pipefail
+# shellcheck source=setup
+source "$(dirname "$0")/setup"
+
+selection=(-LE slow)
+while (($#)); do
+  case $1 in
+    --slow) selection=(); shift ;;
+    -h | --help) echo "$usage"; exit ;;
+    *) break ;;
+  esac
+done
+
+install_packages "${product_packages[@]}" "${demo_packages[@]}" "${test_packages[@]}"
+warnings_as_errors=OFF
+[[ ${CI:-} == true ]] && warnings_as_errors=ON
+configure -DMODSEARCH_BUILD_TESTS=ON -DMODSEARCH_BUILD_EXAMPLES=ON -DMODSEARCH_WARNINGS_AS_ERRORS=$warnings_as_errors
+compile
+
+# Threads of a BLAS would change the order of sums, and with it the last digits, and the times.
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+report=$build/tests.xml
+rm -f "$report"
+status=0
+ctest --test-dir "$build" -j "$(nproc)" --output-on-failure --no-tests=error --output-junit "$report" \
+  "${selection[@]}" "$@" || status=$?
+[[ -s $report ]] || die "ctest ended with status $status and no report."
+
+if ((${#selection[@]})); then
+  slow=$(ctest --test-dir "$build" -N -L slow "$@" | awk '/^Total Tests:/ {print $3}')
+  ((slow == 0)) || printf '\nLeft out: %d slow tests (./test.sh --slow runs them).\n' "$slow"
+fi
+
+# Why tests were skipped, and how all of them went. The report has one element per line; a skipped test has said why
+# between GoogleTest's lines "file:line: Skipped" and "[  SKIPPED ]".
+awk '
+  function attribute(name,   text) {
+    text = $0
+    if (!sub(".*[ \t]" name "=\"", "", text)) return ""
+    sub("\".*", "", text)
+    return text
+  }
+  function plain(text) {
+    gsub("&lt;", "<", text); gsub("&gt;", ">", text); gsub("&quot;", "\"", text); gsub("&amp;", "\\&", text)
+    return text
+  }
+  /^[ \t]*<testcase / {
+    name = plain(attribute("name")); status = attribute("status"); reason = ""; listening = 0
+  }
+  /^[ \t]*<skipped / && status == "notrun" {
+    # ctest also says "skipped" of a test that it could not start.
+    if (attribute("message") ~ /^SKIP_/) status = "skipped"
+  }
+  /: Skipped$/ { listening = 1; next }
+  index($0, "[  SKIPPED ]") { listening = 0 }
+  listening && $0 != "" { reason = reason (reason == "" ? "" : " ") plain($0) }
+  /^[ \t]*<\/testcase>/ {
+    if (status == "run") passed++
+    else if (status == "skipped" || status == "disabled") {
+      skipped++
+      if (status == "disabled") reason = "disabled in the source"
+      if (reason == "") reason = "no reason given"
+      if (!(reason in names)) order[++reasons] = reason
+      count[reason]++
+      names[reason] = names[reason] "\n      " name
+    } else failed++
+  }
+  END {
+    if (skipped) printf "\nSkipped: %d\n", skipped
+    for (i = 1; i <= reasons; i++) printf "  %d because: %s%s\n", count[order[i]], order[i], names[order[i]]
+    printf "\n%d passed, %d failed, %d skipped\n", passed, failed, skipped
+    exit failed > 0
+  }' "$report" || status=1
+exit "$status"
