@@ -1,0 +1,64 @@
+#pragma once
+
+#include <limits>
+#include <modsearch/kinematics/arm.hpp>
+#include <modsearch/kinematics/separation.hpp>
+#include <modsearch/kinematics/work.hpp>
+#include <string>
+#include <vector>
+
+namespace modsearch {
+
+/// Something the arm must not touch, fixed in the world.
+struct Obstacle {
+  std::string name;
+  std::vector<PlacedShape> shapes;  ///< placed in the world: X_FG is X_WG
+};
+
+/// Where an arm and a scene (or an arm and itself) come closest.
+struct Contact {
+  Separation separation;  ///< A is the arm's shape `geometry`, B the obstacle's or the arm's other shape
+  int geometry = -1;      ///< index into Arm::geometries(); -1: nothing to compare
+  int other = -1;         ///< obstacle index, or the other geometry for self-collision
+  int other_shape = -1;   ///< shape of the obstacle
+};
+
+/// The obstacles around an arm. Immutable; safe to share between threads.
+class Scene {
+ public:
+  Scene() = default;
+  /// Throws std::invalid_argument for a shape with a negative or non-finite size or pose.
+  explicit Scene(std::vector<Obstacle> obstacles);
+
+  [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+
+  /// Least signed distance between any body of the arm at `posture` and any obstacle [m]; negative: overlap; +inf:
+  /// nothing to compare. `work.distances` counts the pairs looked at.
+  [[nodiscard]] double clearance(const Arm& arm, const Posture& posture, Work& work) const;
+  /// Whether any body overlaps any obstacle; stops at the first. Much cheaper than the distance.
+  [[nodiscard]] bool collides(const Arm& arm, const Posture& posture, Work& work) const;
+  /// The separation of every (arm geometry, obstacle shape) pair closer than `margin` [m], in a fixed order.
+  [[nodiscard]] std::vector<Contact> contacts(const Arm& arm, const Posture& posture, double margin, Work& work) const;
+
+  /// Least signed distance between a point and the obstacles [m]; +inf without obstacles.
+  [[nodiscard]] double clearance(const Eigen::Vector3d& p_W) const;
+
+ private:
+  struct Placed {
+    int obstacle;
+    int shape;
+    double bounding_radius;
+    Eigen::Vector3d centre_W;
+  };
+  std::vector<Obstacle> obstacles_;
+  std::vector<Placed> placed_;
+};
+
+/// Least signed distance between two bodies of the arm that are not neighbours (Chain::self_pairs) [m]; +inf: no pairs.
+[[nodiscard]] double self_clearance(const Arm& arm, const Posture& posture, Work& work);
+/// Whether two bodies that are not neighbours overlap; stops at the first pair.
+[[nodiscard]] bool self_collides(const Arm& arm, const Posture& posture, Work& work);
+/// The separation of every pair of geometries of non-neighbouring bodies closer than `margin` [m], in a fixed order.
+[[nodiscard]] std::vector<Contact> self_contacts(const Arm& arm, const Posture& posture, double margin, Work& work);
+
+}  // namespace modsearch

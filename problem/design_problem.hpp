@@ -1,0 +1,68 @@
+#pragma once
+
+#include <memory>
+#include <modsearch/problem/attempt.hpp>
+#include <modsearch/problem/design.hpp>
+#include <modsearch/problem/scoring.hpp>
+#include <modsearch/problem/smooth_program.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace modsearch {
+
+/// What a design is worth and why.
+struct Evaluation {
+  double score = -std::numeric_limits<double>::infinity();
+  Terms terms;
+  Attempt attempt;
+
+  /// Standing first, then score: an achieved design outranks one that is not (PROBLEM 4).
+  [[nodiscard]] bool better_than(const Evaluation& other) const {
+    if (attempt.achieved != other.attempt.achieved) return attempt.achieved;
+    return score > other.score;
+  }
+};
+
+enum class Fidelity {
+  kScreen,  ///< leaves out the path and nothing else: an upper bound on the full score
+  kFull,
+};
+
+/// What can be said of a type sequence before anything is optimised.
+struct Optimism {
+  /// No achieved design with these types scores more; -inf: proved that none is achieved.
+  double score = std::numeric_limits<double>::infinity();
+  std::string reason;  ///< why no design is achieved, in words; empty unless score is -inf
+};
+
+/// A search problem over designs: what every solver sees. Immutable and safe to share between threads: `evaluate` is a
+/// function of the design, with no seed, in any order, from any thread.
+class DesignProblem {
+ public:
+  virtual ~DesignProblem() = default;
+
+  [[nodiscard]] virtual std::string name() const = 0;
+  [[nodiscard]] virtual const ModuleLibrary& library() const = 0;
+  /// Most modules in a design, the base included.
+  [[nodiscard]] virtual int max_modules() const = 0;
+  /// Types that may be attached next: the action mask. Empty when max_modules() is reached.
+  [[nodiscard]] std::vector<int> successors(std::span<const int> types) const;
+  /// The instance as an agent sees it: numbers of a length that is fixed for a family of instances.
+  [[nodiscard]] virtual Eigen::VectorXd context() const = 0;
+
+  /// Score and terms of `design`; the empty design is allowed.
+  /// Throws std::invalid_argument (module, parameter, value, limit) for a design outside the search space.
+  [[nodiscard]] Evaluation evaluate(const Design& design, Fidelity fidelity = Fidelity::kFull) const;
+
+  /// The smooth relaxation for a fixed type sequence, or null where there is none.
+  [[nodiscard]] virtual std::unique_ptr<SmoothProgram> relax(std::span<const int> types) const;
+  /// An upper bound on the score of achieved designs with exactly these types; +inf where nothing is known.
+  [[nodiscard]] virtual Optimism optimism(std::span<const int> types) const;
+
+ private:
+  [[nodiscard]] virtual std::vector<int> do_successors(std::span<const int> types) const;
+  [[nodiscard]] virtual Evaluation do_evaluate(const Design& design, Fidelity fidelity) const = 0;
+};
+
+}  // namespace modsearch

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <modsearch/kinematics/chain.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace modsearch {
+
+/// A continuous parameter of a module type, in a closed interval.
+struct ParameterRange {
+  std::string name;
+  std::string unit = "m";
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+enum class Gender { kFemale, kMale, kHermaphroditic };
+
+/// A place where a module can be joined to another. Its frame C points away from the body (z outwards).
+struct Connector {
+  std::string id;
+  AffinePose X_BC;  ///< body -> connector
+  Gender gender = Gender::kHermaphroditic;
+  std::string type;  ///< "base" fixes the robot to the world, "eef" is the TCP; others join modules
+  std::vector<double> size;
+
+  /// Equal type and size, and genders that mate: f-m or h-h.
+  [[nodiscard]] bool fits(const Connector& other) const;
+};
+
+/// A rigid part of a module, in its own frame B.
+struct ModuleBody {
+  std::string id;
+  AffineScalar mass;                                     ///< [kg]
+  AffineVector r_com;                                    ///< centre of mass [m]
+  bool uniform_inertia = false;                          ///< derived from mass and collision geometry
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();     ///< about the centre of mass, axes of B [kg m^2]
+  std::vector<Connector> connectors;
+  std::vector<BodyGeometry> collision;                   ///< X_FG is X_BG here
+};
+
+/// A joint between two bodies of one module: child = parent * X_PJ * (Rz(q) or Tz(q)) * X_JC.
+struct ModuleJoint {
+  Joint joint;
+  bool fixed = false;  ///< does not move: `joint` holds no limits
+  int parent = 0;      ///< body indices within the module
+  int child = 0;
+  AffinePose X_PJ;
+  AffinePose X_JC;
+  double gear_ratio = 1.0;
+  double motor_inertia = 0.0;
+  double friction_coulomb = 0.0;
+  double friction_viscous = 0.0;
+};
+
+enum class ModuleRole { kBase, kLink, kJoint, kEndEffector };
+
+/// One type of module, as a library describes it (Timor's format with continuous parameters).
+struct ModuleType {
+  std::string id;
+  std::string name;
+  double cost = 0.0;
+  std::vector<ParameterRange> parameters;  ///< parameter index i in AffineScalar::Term is an index into this
+  std::vector<ModuleBody> bodies;
+  std::vector<ModuleJoint> joints;
+
+  [[nodiscard]] ModuleRole role() const;
+  [[nodiscard]] int n_parameters() const { return static_cast<int>(parameters.size()); }
+};
+
+/// A set of module types and the rules by which they join. Serial chains of two-connector modules.
+///
+/// The base module is fixed and not counted among the types: type k = 0 .. n_types() - 1 are those a design chooses from.
+class ModuleLibrary {
+ public:
+  static constexpr int kMaxParameters = 8;  ///< per module: Parameters of a placement never touch the heap
+
+  /// `name`: ID or file, for messages. Throws std::invalid_argument (module, what) unless there is exactly one base and
+  /// every module has the connectors of a serial chain and at most kMaxParameters parameters.
+  ModuleLibrary(std::string name, std::vector<ModuleType> modules, NeighbourRule rule = NeighbourRule::kViaJoint);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] int n_types() const { return static_cast<int>(types_.size()); }
+  /// Throws std::invalid_argument for a type that is not in [0, n_types()).
+  [[nodiscard]] const ModuleType& type(int k) const;
+  [[nodiscard]] const ModuleType& base() const { return base_; }
+  [[nodiscard]] NeighbourRule neighbour_rule() const { return rule_; }
+  /// Index of the type with this ID (or, failing that, this name).
+  [[nodiscard]] std::optional<int> find(std::string_view id) const;
+  /// Largest number of parameters of any type.
+  [[nodiscard]] int max_parameters() const;
+
+  /// Types whose connectors fit the free end of base + `types` (all of which must fit in turn).
+  [[nodiscard]] std::vector<int> successors(std::span<const int> types) const;
+  /// Whether each type may follow the one before.
+  [[nodiscard]] bool fits_together(std::span<const int> types) const;
+  /// Nothing is missing: the design ends in an end effector, or the library has none.
+  [[nodiscard]] bool complete(std::span<const int> types) const;
+
+  /// The chain of base + `types`, base frame at `X_WB`; x is the concatenation of the modules' parameters, base to tip.
+  /// Throws std::invalid_argument if the modules do not fit together.
+  [[nodiscard]] Chain assemble(std::span<const int> types,
+                               const Eigen::Isometry3d& X_WB = Eigen::Isometry3d::Identity()) const;
+
+ private:
+  std::string name_;
+  ModuleType base_;
+  std::vector<ModuleType> types_;
+  NeighbourRule rule_;
+  bool has_end_effectors_ = false;
+};
+
+}  // namespace modsearch

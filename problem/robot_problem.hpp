@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <modsearch/kinematics/scene.hpp>
+#include <modsearch/problem/design_problem.hpp>
+#include <modsearch/problem/task.hpp>
+#include <mutex>
+#include <shared_mutex>
+#include <string>
+#include <unordered_map>
+
+namespace modsearch {
+
+/// Everything a robot problem is made of.
+struct RobotProblemSpec {
+  std::string name;  ///< ID or file, for messages and records
+  std::shared_ptr<const ModuleLibrary> library;
+  std::shared_ptr<const Task> task;
+  std::shared_ptr<const Scene> scene = std::make_shared<Scene>();
+  std::shared_ptr<const Scoring> scoring = std::make_shared<Algorithm1>();
+  Level level = Level::kPosture;
+  int max_modules = 10;  ///< in [1, 64], the base included
+  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  ///< pose of the base
+  IkOptions ik;
+  PlanOptions planner;
+};
+
+/// Library + scene + task + scoring: the design problem everybody uses. Keeps the chain of each type sequence it has met.
+class RobotProblem final : public DesignProblem {
+ public:
+  /// Throws std::invalid_argument for a missing part or max_modules outside [1, 64].
+  explicit RobotProblem(RobotProblemSpec spec);
+
+  [[nodiscard]] std::string name() const override { return spec_.name; }
+  [[nodiscard]] const ModuleLibrary& library() const override { return *spec_.library; }
+  [[nodiscard]] int max_modules() const override { return spec_.max_modules; }
+  [[nodiscard]] Eigen::VectorXd context() const override;
+  [[nodiscard]] std::unique_ptr<SmoothProgram> relax(std::span<const int> types) const override;
+  [[nodiscard]] Optimism optimism(std::span<const int> types) const override;
+
+  [[nodiscard]] const RobotProblemSpec& spec() const { return spec_; }
+  [[nodiscard]] const Task& task() const { return *spec_.task; }
+  [[nodiscard]] const Scene& scene() const { return *spec_.scene; }
+  /// The same problem with another collision level.
+  [[nodiscard]] RobotProblem with_level(Level level) const;
+
+  /// The chain of base + `types`; lives as long as the problem.
+  [[nodiscard]] const Chain& chain(std::span<const int> types) const;
+
+ private:
+  [[nodiscard]] std::vector<int> do_successors(std::span<const int> types) const override;
+  [[nodiscard]] Evaluation do_evaluate(const Design& design, Fidelity fidelity) const override;
+
+  struct ChainCache;  // behind a pointer: a problem can be moved
+  RobotProblemSpec spec_;
+  std::shared_ptr<ChainCache> chains_;
+};
+
+}  // namespace modsearch

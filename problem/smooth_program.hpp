@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <modsearch/problem/design.hpp>
+#include <vector>
+
+namespace modsearch {
+
+/// Rows first .. first + count - 1 form a vector that has to stay within a ball of `radius` about 0: the tolerance of a
+/// goal. Solvers that know only intervals see it through `BallsAsRows`.
+struct BallRows {
+  int first = 0;
+  int count = 0;
+  double radius = 0.0;
+};
+
+/// min f(v) over lower <= v <= upper, row_lower <= c(v) <= row_upper, and vectors of rows within balls: the smooth
+/// relaxation of a fixed type sequence. Variables are (x, q_goal1, q_goal2, ..): lengths in metres, angles in radians.
+///
+/// A program is also a workspace: one thread at a time.
+class SmoothProgram {
+ public:
+  /// Value and first derivatives at a point. Kept by the caller and reused, so that nothing is allocated in a loop.
+  struct Values {
+    double objective = 0.0;     ///< f
+    Eigen::VectorXd gradient;   ///< df/dv [n]
+    Eigen::VectorXd rows;       ///< c [m]
+    Eigen::MatrixXd jacobian;   ///< dc/dv [m x n]
+  };
+
+  virtual ~SmoothProgram() = default;
+
+  [[nodiscard]] int n_variables() const { return static_cast<int>(lower_.size()); }
+  [[nodiscard]] int n_rows() const { return static_cast<int>(row_lower_.size()); }
+  [[nodiscard]] const Eigen::VectorXd& lower() const { return lower_; }
+  [[nodiscard]] const Eigen::VectorXd& upper() const { return upper_; }
+  /// Intervals of the rows; (-inf, +inf) for rows that belong to a ball.
+  [[nodiscard]] const Eigen::VectorXd& row_lower() const { return row_lower_; }
+  [[nodiscard]] const Eigen::VectorXd& row_upper() const { return row_upper_; }
+  [[nodiscard]] const std::vector<BallRows>& balls() const { return balls_; }
+
+  /// f, c and their exact first derivatives at `v` [n].
+  /// Throws std::invalid_argument if v.size() != n_variables() or an entry is not finite.
+  void evaluate(const Eigen::VectorXd& v, Values& values);
+  /// objective_factor * d2f/dv2 + sum_i multipliers_i * d2c_i/dv2 [n x n], symmetric. Exact for mass and positions;
+  /// clearance rows count as linear. Throws like evaluate.
+  [[nodiscard]] Eigen::MatrixXd hessian(const Eigen::VectorXd& v, double objective_factor,
+                                        const Eigen::VectorXd& multipliers);
+
+  /// Largest violation of bounds, rows and balls, in the rows' own units, at rows `c` of point `v`.
+  [[nodiscard]] double violation(const Eigen::VectorXd& v, const Eigen::VectorXd& c) const;
+
+  /// Start number `index` (0, 1, ..) of a fixed low-discrepancy sequence; within the bounds.
+  [[nodiscard]] virtual Eigen::VectorXd start(int index);
+  /// The design at `v`, its parameters clamped into their intervals.
+  [[nodiscard]] virtual Design design(const Eigen::VectorXd& v) const = 0;
+
+ protected:
+  Eigen::VectorXd lower_, upper_;          // [n]
+  Eigen::VectorXd row_lower_, row_upper_;  // [m]
+  std::vector<BallRows> balls_;
+
+ private:
+  virtual void do_evaluate(const Eigen::VectorXd& v, Values& values) = 0;
+  [[nodiscard]] virtual Eigen::MatrixXd do_hessian(const Eigen::VectorXd& v, double objective_factor,
+                                                   const Eigen::VectorXd& multipliers) = 0;
+};
+
+/// The same program with intervals only: each ball of radius R gets a variable u in [-1, 1]^count, rows c - R u = 0 and a
+/// row |u|^2 <= 1. Better conditioned than |c|^2 <= R^2: the pose rows stay nearly linear, whatever the tolerance.
+class BallsAsRows final : public SmoothProgram {
+ public:
+  explicit BallsAsRows(SmoothProgram& inner);
+  [[nodiscard]] Eigen::VectorXd start(int index) override;
+  [[nodiscard]] Design design(const Eigen::VectorXd& v) const override;
+  /// A point of the inner program with u filled in as well as it can be.
+  [[nodiscard]] Eigen::VectorXd extended(const Eigen::VectorXd& inner_point);
+  /// The inner program's part of `v`.
+  [[nodiscard]] Eigen::VectorXd reduced(const Eigen::VectorXd& v) const;
+
+ private:
+  void do_evaluate(const Eigen::VectorXd& v, Values& values) override;
+  [[nodiscard]] Eigen::MatrixXd do_hessian(const Eigen::VectorXd& v, double objective_factor,
+                                           const Eigen::VectorXd& multipliers) override;
+  SmoothProgram& inner_;
+  Values inner_values_;
+};
+
+}  // namespace modsearch
