@@ -1,0 +1,98 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <modsearch/problem/design_problem.hpp>
+#include <optional>
+#include <stop_token>
+#include <string_view>
+#include <vector>
+
+namespace modsearch {
+
+/// When a search ends, whichever comes first.
+struct Budget {
+  std::int64_t evaluations = 1'000'000;  ///< calls of the score
+  double seconds = std::numeric_limits<double>::infinity();
+  /// Ends as soon as an achieved design scores at least this.
+  double target_score = std::numeric_limits<double>::infinity();
+};
+
+/// Why a search ended.
+enum class StopReason {
+  kEvaluations,    ///< the budget of evaluations is spent
+  kSeconds,        ///< the time is up
+  kTargetScore,    ///< the target score is met
+  kInterrupted,    ///< somebody asked to stop
+  kOptimal,        ///< nothing better is left, by the problem's own bounds
+  kUnreachable,    ///< proved: no design of the space is achieved
+  kExhausted,      ///< the solver has tried what it would try
+};
+[[nodiscard]] std::string_view name(StopReason reason);
+
+/// What has been spent so far.
+struct Progress {
+  std::int64_t evaluations = 0;          ///< of the score
+  std::int64_t failed = 0;               ///< of these, how many gave NaN
+  std::int64_t program_evaluations = 0;  ///< of smooth programs, with derivatives: inner work
+  Work work;                             ///< inner work behind the evaluations
+  double seconds = 0.0;                  ///< wall clock
+};
+
+/// A design with what it is worth.
+struct Incumbent {
+  Design design;
+  Evaluation evaluation;
+};
+
+/// One improvement of the best design.
+struct TracePoint {
+  std::int64_t evaluations = 0;
+  double seconds = 0.0;
+  double score = 0.0;
+  bool achieved = false;
+};
+
+/// Counts what a solver does, keeps its best, and says when it is time to stop. Solvers evaluate through a meter and
+/// never count for themselves, so that every solver is charged alike (the idea is COCO's: the problem counts).
+/// For one thread.
+class Meter {
+ public:
+  /// Called after every evaluation, and now and then by inner loops (`evaluation` null), with the best so far.
+  using Observer = std::function<void(const Meter&)>;
+
+  explicit Meter(Budget budget = {}, Observer observer = {}, std::stop_token stop = {});
+
+  /// The score of `design`, or nothing when it is time to stop (then nothing was evaluated). A score of NaN counts as
+  /// -inf, not achieved, Failure::kNotANumber. Exceptions of the problem pass through, counted.
+  [[nodiscard]] std::optional<Evaluation> evaluate(const DesignProblem& problem, const Design& design,
+                                                   Fidelity fidelity = Fidelity::kFull);
+
+  void count(const Work& work) { progress_.work += work; }
+  /// Counts evaluations of a smooth program.
+  void count_program(std::int64_t evaluations);
+
+  /// Whether it is time to stop, and why. Cheap: inner loops poll it.
+  [[nodiscard]] std::optional<StopReason> stopped() const;
+  [[nodiscard]] Progress progress() const;
+  [[nodiscard]] const Budget& budget() const { return budget_; }
+  /// The best design so far (standing, then score); empty before the first evaluation.
+  [[nodiscard]] const std::optional<Incumbent>& best() const { return best_; }
+  /// Every improvement of the best, in order.
+  [[nodiscard]] const std::vector<TracePoint>& trace() const { return trace_; }
+
+ private:
+  [[nodiscard]] double elapsed() const;
+
+  Budget budget_;
+  Observer observer_;
+  std::stop_token stop_;
+  std::chrono::steady_clock::time_point start_;
+  Progress progress_;
+  std::optional<Incumbent> best_;
+  std::vector<TracePoint> trace_;
+};
+
+}  // namespace modsearch
