@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <modsearch/kinematics/arm.hpp>
+#include <modsearch/kinematics/bounding_capsule.hpp>
 #include <modsearch/kinematics/separation.hpp>
 #include <modsearch/kinematics/work.hpp>
 #include <string>
@@ -24,16 +25,21 @@ struct Contact {
 };
 
 /// The obstacles around an arm. Immutable; safe to share between threads.
+///
+/// Every pair of shapes is first compared by capsules around them; only pairs these cannot part reach the exact test,
+/// so the answers are those of the exact test alone. Pairs go in a fixed order: arm geometries, obstacles, their
+/// shapes.
 class Scene {
  public:
   Scene() = default;
-  /// Throws std::invalid_argument for a shape with a negative or non-finite size or pose.
+  /// Throws std::invalid_argument, naming the obstacle, for a shape that `check` refuses and for a pose that is not
+  /// finite or whose rotation is none.
   explicit Scene(std::vector<Obstacle> obstacles);
 
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
 
   /// Least signed distance between any body of the arm at `posture` and any obstacle [m]; negative: overlap; +inf:
-  /// nothing to compare. `work.distances` counts the pairs looked at.
+  /// nothing to compare. `work.distances` counts the pairs that the capsules could not part.
   [[nodiscard]] double clearance(const Arm& arm, const Posture& posture, Work& work) const;
   /// Whether any body overlaps any obstacle; stops at the first. Much cheaper than the distance.
   [[nodiscard]] bool collides(const Arm& arm, const Posture& posture, Work& work) const;
@@ -44,14 +50,16 @@ class Scene {
   [[nodiscard]] double clearance(const Eigen::Vector3d& p_W) const;
 
  private:
+  friend class EdgeChecker;
   struct Placed {
     int obstacle;
     int shape;
-    double bounding_radius;
-    Eigen::Vector3d centre_W;
+    BoundingCapsule capsule;
   };
+  [[nodiscard]] const PlacedShape& shape_of(const Placed& placed) const;
+
   std::vector<Obstacle> obstacles_;
-  std::vector<Placed> placed_;
+  std::vector<Placed> placed_;  // every shape of every obstacle, in order
 };
 
 /// Least signed distance between two bodies of the arm that are not neighbours (Chain::self_pairs) [m]; +inf: no pairs.
