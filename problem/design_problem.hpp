@@ -29,6 +29,12 @@ enum class Fidelity {
   kFull,
 };
 
+/// How far inside its limits a relaxation stays, so that its optimum is still achieved after rounding.
+struct Relaxation {
+  double tolerance_margin = 1e-7;  ///< off the tolerance of a pose [m or rad]: ten times what inner solvers leave open
+  double clearance_margin = 1e-6;  ///< least clearance asked for [m]
+};
+
 /// What can be said of a type sequence before anything is optimised.
 struct Optimism {
   /// No achieved design with these types scores more; -inf: proved that none is achieved.
@@ -56,7 +62,8 @@ class DesignProblem {
   [[nodiscard]] Evaluation evaluate(const Design& design, Fidelity fidelity = Fidelity::kFull) const;
 
   /// The smooth relaxation for a fixed type sequence, or null where there is none.
-  [[nodiscard]] virtual std::unique_ptr<SmoothProgram> relax(std::span<const int> types) const;
+  [[nodiscard]] virtual std::unique_ptr<SmoothProgram> relax(std::span<const int> types,
+                                                             const Relaxation& relaxation = {}) const;
   /// An upper bound on the score of achieved designs with exactly these types; +inf where nothing is known.
   [[nodiscard]] virtual Optimism optimism(std::span<const int> types) const;
 

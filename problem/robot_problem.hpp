@@ -35,7 +35,8 @@ class RobotProblem final : public DesignProblem {
   [[nodiscard]] const ModuleLibrary& library() const override { return *spec_.library; }
   [[nodiscard]] int max_modules() const override { return spec_.max_modules; }
   [[nodiscard]] Eigen::VectorXd context() const override;
-  [[nodiscard]] std::unique_ptr<SmoothProgram> relax(std::span<const int> types) const override;
+  [[nodiscard]] std::unique_ptr<SmoothProgram> relax(std::span<const int> types,
+                                                     const Relaxation& relaxation = {}) const override;
   [[nodiscard]] Optimism optimism(std::span<const int> types) const override;
 
   [[nodiscard]] const RobotProblemSpec& spec() const { return spec_; }

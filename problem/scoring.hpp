@@ -1,7 +1,7 @@
 #pragma once
 
 #include <array>
-#include <memory>
+#include <cstddef>
 #include <span>
 #include <string_view>
 

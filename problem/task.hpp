@@ -34,6 +34,7 @@ struct AttemptOptions {
   Level level = Level::kPosture;
   IkOptions ik;
   PlanOptions planner;
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();  ///< position of the base, for the relative error
 };
 
 /// What the arm has to do. A new kind of task declares its goals, and everything else follows from them: the attempt, the

@@ -1,0 +1,29 @@
+#include <modsearch/problem/design_problem.hpp>
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace modsearch {
+
+std::vector<int> DesignProblem::successors(std::span<const int> types) const {
+  if (static_cast<int>(types.size()) + 1 >= max_modules()) return {};
+  return do_successors(types);
+}
+
+Evaluation DesignProblem::evaluate(const Design& design, Fidelity fidelity) const {
+  if (static_cast<int>(design.modules.size()) + 1 > max_modules()) {
+    throw std::invalid_argument(fmt::format("the design has {} modules with the base, at most {} are allowed",
+                                            design.modules.size() + 1, max_modules()));
+  }
+  check(library(), design);
+  return do_evaluate(design, fidelity);
+}
+
+std::unique_ptr<SmoothProgram> DesignProblem::relax(std::span<const int>, const Relaxation&) const { return nullptr; }
+
+Optimism DesignProblem::optimism(std::span<const int>) const { return {}; }
+
+std::vector<int> DesignProblem::do_successors(std::span<const int> types) const { return library().successors(types); }
+
+}  // namespace modsearch

@@ -1,0 +1,124 @@
+#include <modsearch/problem/robot_problem.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <modsearch/problem/reach_bound.hpp>
+#include <modsearch/problem/task_program.hpp>
+#include <stdexcept>
+
+namespace modsearch {
+
+// Chains by type sequence. Readers share the lock: all but the first evaluation of a sequence only look.
+struct RobotProblem::ChainCache {
+  std::shared_mutex mutex;
+  std::map<std::vector<int>, std::unique_ptr<const Chain>> chains;
+};
+
+RobotProblem::RobotProblem(RobotProblemSpec spec) : spec_{std::move(spec)}, chains_{std::make_shared<ChainCache>()} {
+  const auto refuse = [&](const std::string& what) {
+    throw std::invalid_argument(fmt::format("problem '{}': {}", spec_.name, what));
+  };
+  if (!spec_.library) refuse("no module library");
+  if (!spec_.task) refuse("no task");
+  if (!spec_.scene) refuse("no scene");
+  if (!spec_.scoring) refuse("no scoring");
+  if (spec_.task->goals().empty()) refuse("a task without goals, at least one is needed");
+  if (spec_.max_modules < 1 || spec_.max_modules > 64) {
+    refuse(fmt::format("at most {} modules, not in [1, 64]", spec_.max_modules));
+  }
+}
+
+RobotProblem RobotProblem::with_level(Level level) const {
+  RobotProblemSpec spec = spec_;
+  spec.level = level;
+  return RobotProblem{std::move(spec)};
+}
+
+Eigen::VectorXd RobotProblem::context() const {
+  // Per obstacle shape: centre and radius of its bounding ball, in the scale of the goals' features.
+  constexpr double kScale = 0.5;
+  const Eigen::VectorXd goals = task().features();
+  std::vector<double> numbers(goals.begin(), goals.end());
+  for (const Obstacle& obstacle : scene().obstacles()) {
+    for (const PlacedShape& placed : obstacle.shapes) {
+      const Eigen::Vector3d centre = kScale * placed.X_FG.translation();
+      numbers.insert(numbers.end(), centre.begin(), centre.end());
+      numbers.push_back(kScale * bounding_radius(placed.shape));
+    }
+  }
+  return Eigen::Map<Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
+}
+
+const Chain& RobotProblem::chain(std::span<const int> types) const {
+  thread_local std::vector<int> key;  // keeps its memory between calls
+  key.assign(types.begin(), types.end());
+  {
+    const std::shared_lock lock{chains_->mutex};
+    if (const auto found = chains_->chains.find(key); found != chains_->chains.end()) return *found->second;
+  }
+  auto built = std::make_unique<const Chain>(library().assemble(types, spec_.X_WB));
+  const std::unique_lock lock{chains_->mutex};
+  return *chains_->chains.try_emplace(key, std::move(built)).first->second;
+}
+
+std::vector<int> RobotProblem::do_successors(std::span<const int> types) const { return library().successors(types); }
+
+Evaluation RobotProblem::do_evaluate(const Design& design, Fidelity fidelity) const {
+  const std::vector<int> types = design.types();
+  const Chain& chain_of_types = chain(types);
+  const Arm arm = chain_of_types.at(design.parameters());
+
+  AttemptOptions options{.level = spec_.level, .ik = spec_.ik, .planner = spec_.planner,
+                         .p_WB = spec_.X_WB.translation()};
+  if (fidelity == Fidelity::kScreen && options.level == Level::kPath) options.level = Level::kPostureSelf;
+
+  Evaluation evaluation;
+  evaluation.attempt = task().attempt(arm, scene(), options);
+  Attempt& attempt = evaluation.attempt;
+  if (!library().complete(types)) {
+    attempt.achieved = false;
+    attempt.why = Failure::kIncomplete;
+  }
+
+  double cost = library().base().cost;
+  for (const int k : types) cost += library().type(k).cost;
+  evaluation.terms = spec_.scoring->terms({.modules = static_cast<int>(types.size()) + 1,
+                                           .mass = arm.mass(),
+                                           .cost = cost,
+                                           .reached = attempt.reached,
+                                           .achieved = attempt.achieved,
+                                           .collides = attempt.collides,
+                                           .relative_error = attempt.relative_error});
+  evaluation.score = evaluation.terms.sum();
+  return evaluation;
+}
+
+std::unique_ptr<SmoothProgram> RobotProblem::relax(std::span<const int> types, const Relaxation& relaxation) const {
+  return std::make_unique<TaskProgram>(*this, types, relaxation);
+}
+
+Optimism RobotProblem::optimism(std::span<const int> types) const {
+  constexpr double kImpossible = -std::numeric_limits<double>::infinity();
+  if (!library().complete(types)) return {kImpossible, "the design does not end in an end effector"};
+  const Chain& chain_of_types = chain(types);
+  const ParameterBox box = parameter_box(library(), types);
+  double least_mass = chain_of_types.mass().least(box.lower, box.upper);
+  for (const Goal& goal : task().goals()) {
+    const ReachBound bound = reach_bound(chain_of_types, box, spec_.X_WB.translation(), goal.region);
+    if (!bound.possible) {
+      return {kImpossible, fmt::format("goal '{}' is {:.4g} m from the base, beyond the {:.4g} m that {} can reach",
+                                       goal.id, bound.distance, bound.span,
+                                       types.empty() ? std::string{"the base alone"}
+                                                     : fmt::format("{} modules", types.size()))};
+    }
+    least_mass = std::max(least_mass, bound.least_mass);
+  }
+  double cost = library().base().cost;
+  for (const int k : types) cost += library().type(k).cost;
+  return {spec_.scoring->bound(static_cast<int>(types.size()) + 1, least_mass, cost), ""};
+}
+
+}  // namespace modsearch

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <modsearch/problem/robot_problem.hpp>
+#include <modsearch/problem/row_sink.hpp>
+
+namespace modsearch {
+
+/// The smooth program of a type sequence of a robot problem: least mass over (x, q per goal) such that every goal's region
+/// holds, bodies keep clear of obstacles (and of each other, where the level asks for it), within all limits.
+///
+/// Tolerances that are a ball about the nominal (r_sph, r_cyl, Theta_R from 0) become vectors of rows within a ball, which
+/// stay smooth at the nominal; all others become rows within intervals. One clearance row per goal and pair of shapes.
+class TaskProgram final : public SmoothProgram {
+ public:
+  /// `problem` must outlive the program.
+  TaskProgram(const RobotProblem& problem, std::span<const int> types, const Relaxation& relaxation);
+  ~TaskProgram() override;
+
+  /// Parameters from a Halton sequence (the first: the middle of their intervals), joints by inverse kinematics for them.
+  [[nodiscard]] Eigen::VectorXd start(int index) override;
+  [[nodiscard]] Design design(const Eigen::VectorXd& v) const override;
+
+ private:
+  class Sink;
+  struct GoalRows;
+  struct TaskRow {
+    RowSink::Row row;
+  };
+
+  void do_evaluate(const Eigen::VectorXd& v, Values& values) override;
+  [[nodiscard]] Eigen::MatrixXd do_hessian(const Eigen::VectorXd& v, double objective_factor,
+                                           const Eigen::VectorXd& multipliers) override;
+
+  void add_row(double lower, double upper);
+  void add_ball(int count, double radius);
+  void add_goal(int index, const Goal& goal, double margin);
+  void add_clearances(const Relaxation& relaxation);
+  [[nodiscard]] Eigen::Index q_at(int goal) const { return n_x_ + static_cast<Eigen::Index>(goal) * n_q_; }
+  void goal_values(int goal, Values& values) const;
+  void clearance_values(int goal, Values& values) const;
+  void set_clearance_row(Eigen::Index row, int goal, const Separation& separation, int geometry, double sign,
+                         const Eigen::Vector3d& p_W, Values& values) const;
+
+  const RobotProblem& problem_;
+  std::vector<int> types_;
+  const Chain& chain_;
+  Arm arm_;
+  Posture posture_;
+  Eigen::Index n_x_ = 0;
+  Eigen::Index n_q_ = 0;
+  Eigen::VectorXd mass_gradient_;
+  std::vector<GoalRows> goal_rows_;
+  bool obstacle_rows_ = false;
+  bool self_rows_ = false;
+  std::vector<std::pair<int, int>> self_geometries_;  // pairs of geometries of non-neighbouring bodies
+  std::vector<TaskRow> task_rows_;
+  Eigen::Index first_clearance_row_ = 0;
+  Eigen::Index clearance_rows_per_goal_ = 0;
+  Eigen::Index first_task_row_ = 0;
+};
+
+}  // namespace modsearch
