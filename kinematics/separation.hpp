@@ -9,8 +9,8 @@ struct Separation {
   /// Signed distance [m]: > 0 the gap, 0 touching, < 0 minus the depth of penetration (the least translation that parts
   /// the two). Against a mesh, which is a surface, an overlap counts as -0 depth: see `signed_distance`.
   double distance = 0.0;
-  Eigen::Vector3d p_WA = Eigen::Vector3d::Zero();    ///< witness point on A, world frame [m]
-  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();    ///< witness point on B, world frame [m]
+  Eigen::Vector3d p_WA = Eigen::Vector3d::Zero();       ///< witness point on A, world frame [m]
+  Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();       ///< witness point on B, world frame [m]
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< unit vector from B to A: d(distance)/d(translation of A)
 };
 

@@ -51,7 +51,13 @@ struct PlacedShape {
   Eigen::Isometry3d X_FG = Eigen::Isometry3d::Identity();
 };
 
+/// Throws std::invalid_argument, naming the shape, the number and its limit, if a size is negative or not finite, or if
+/// a mesh is missing, empty, not finite or names a vertex that it does not have. Distances take checked shapes for
+/// granted.
+void check(const Shape& shape);
+
 /// Radius of the smallest ball about the shape's origin that holds the whole shape [m].
+/// Throws std::invalid_argument for a mesh without triangles.
 [[nodiscard]] double bounding_radius(const Shape& shape);
 
 }  // namespace modsearch

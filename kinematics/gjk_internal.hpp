@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "minkowski_internal.hpp"
+
+namespace modsearch::detail {
+
+/// An extreme point of the difference, and which ends of its segments and which rim points make it.
+struct Vertex {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  unsigned signs = 0;                                      ///< bit i: segment i adds its positive end
+  std::array<Eigen::Vector3d, Difference::kMaxDisks> rim;  ///< unit vectors to the rim points, zero where undecided
+};
+
+/// Up to four extreme points.
+struct Simplex {
+  std::array<Vertex, 4> vertex;
+  int size = 0;
+};
+
+/// The extreme point of the difference that is lowest along the unit vector `n`.
+[[nodiscard]] Vertex lowest(const Difference& d, const Eigen::Vector3d& n);
+
+/// Descent to the point of the difference nearest to the origin.
+///
+/// Gilbert, Johnson and Keerthi, "A fast procedure for computing the distance between complex objects in
+/// three-dimensional space", 1988, DOI 10.1109/56.2083. Each step adds the extreme point against the present nearest
+/// point and drops the points that no longer matter.
+class Descent {
+ public:
+  enum class State {
+    kGoing,    ///< another step helps
+    kStalled,  ///< no further progress in double precision
+    kOverlap,  ///< the origin is inside, or so near that it cannot be told
+  };
+
+  Descent(const Difference& d, const Eigen::Vector3d& guess);
+
+  [[nodiscard]] State step();
+  [[nodiscard]] double lower() const { return lower_; }                    ///< phi at its best direction so far [m]
+  [[nodiscard]] double upper() const { return upper_; }                    ///< distance of the nearest point [m]
+  [[nodiscard]] const Eigen::Vector3d& normal() const { return normal_; }  ///< direction of the nearest point
+  [[nodiscard]] const Simplex& simplex() const { return simplex_; }        ///< extreme points around the nearest point
+
+ private:
+  const Difference& d_;
+  Simplex simplex_;
+  Eigen::Vector3d nearest_;
+  Eigen::Vector3d normal_;
+  double lower_;
+  double upper_;
+  double largest_ = 0.0;  ///< largest squared norm of a vertex [m^2]
+  int steps_ = 0;
+};
+
+}  // namespace modsearch::detail
