@@ -1,0 +1,222 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <modsearch/kinematics/local_ik_internal.hpp>
+#include <modsearch/kinematics/low_discrepancy.hpp>
+#include <numbers>
+
+namespace modsearch::internal {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+// Every interval drawn in by a hair: a search that converges to the end of an interval lands inside the true one.
+PoseRegion drawn_in(const PoseRegion& region) {
+  constexpr double kHair = 1e-8;  // [m] or [rad]: far above rounding, far below any tolerance that matters
+  std::vector<Tolerance> tolerances = region.tolerances();
+  for (Tolerance& tolerance : tolerances) {
+    const double hair = std::min(kHair, 0.25 * (tolerance.upper - tolerance.lower));
+    tolerance.lower += hair;
+    tolerance.upper -= hair;
+  }
+  return {region.nominal(), std::move(tolerances)};
+}
+
+}  // namespace
+
+Verdict judge(const Arm& arm, const PoseRegion& region, const Eigen::VectorXd& q) {
+  Posture posture;
+  arm.forward(q.data(), posture);
+  Verdict verdict;
+  verdict.q = q;
+  verdict.reached = region.contains(posture.tip);
+  verdict.violation = verdict.reached ? 0.0 : region.violations(posture.tip).norm();
+  verdict.position_error = (posture.tip.translation() - region.nominal().translation()).norm();
+  return verdict;
+}
+
+LocalIk::LocalIk(const Arm& arm, const PoseRegion& region, int max_iterations)
+    : arm_{arm}, region_{region}, aim_{drawn_in(region)}, max_iterations_{max_iterations} {
+  const int n = arm.n_joints();
+  lower_ = arm.chain().lower_limits();
+  upper_ = arm.chain().upper_limits();
+  double span = 1.0 + (region.nominal().translation() - arm.segment(0).translation()).norm();
+  for (int j = 1; j <= n; ++j) span += arm.segment(j).translation().norm();
+  for (int j = 0; j < n; ++j) {
+    const Joint& joint = arm.chain().joints()[static_cast<std::size_t>(j)];
+    full_circle_.push_back(joint.full_circle());
+    if (joint.full_circle()) {
+      if (lower_[j] <= -0.5 * kTurn && upper_[j] >= 0.5 * kTurn) {
+        lower_[j] = -0.5 * kTurn;
+      } else if (!std::isfinite(lower_[j])) {
+        lower_[j] = upper_[j] - kTurn;
+      }
+      upper_[j] = lower_[j] + kTurn;
+    }
+    if (!std::isfinite(lower_[j])) lower_[j] = std::min(0.0, upper_[j]) - 4.0 * span;
+    if (!std::isfinite(upper_[j])) upper_[j] = std::max(0.0, lower_[j]) + 4.0 * span;
+  }
+  gradient_.resize(n);
+  hessian_.resize(n, n);
+}
+
+Eigen::VectorXd LocalIk::start(int index) const {
+  const Eigen::VectorXd u = halton(index, arm_.n_joints());
+  return lower_ + u.cwiseProduct(upper_ - lower_);
+}
+
+void LocalIk::project(Eigen::VectorXd& q) const {
+  for (int j = 0; j < q.size(); ++j) {
+    if (full_circle_[static_cast<std::size_t>(j)] && (q[j] < lower_[j] || q[j] > upper_[j])) {
+      q[j] -= kTurn * std::floor((q[j] - lower_[j]) / kTurn);
+    }
+    q[j] = std::clamp(q[j], lower_[j], upper_[j]);
+  }
+}
+
+double LocalIk::cost(const Eigen::VectorXd& q) {
+  ++forward_;
+  arm_.forward(q.data(), posture_);
+  if (region_.is_ball()) {
+    residual_ = posture_.tip.translation() - region_.nominal().translation();
+  } else {
+    residual_ = aim_.violations(posture_.tip);
+  }
+  return 0.5 * residual_.squaredNorm();
+}
+
+// Of half the squared residual at the posture of the last cost(). Exact for a ball: Gauss-Newton stalls at the edge of
+// the arm's reach, where the Jacobian is singular and the distance is not zero.
+void LocalIk::derivatives(const Eigen::VectorXd& q) {
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> J_tip = arm_.tip_jacobian_q(posture_);
+  if (!region_.is_ball()) {
+    const Eigen::Matrix<double, Eigen::Dynamic, 6> J_region = aim_.jacobian(posture_.tip);
+    Eigen::MatrixXd J = J_region * J_tip;
+    for (Eigen::Index i = 0; i < J.rows(); ++i) {
+      if (residual_[i] == 0.0) J.row(i).setZero();  // the interval holds
+    }
+    gradient_.noalias() = J.transpose() * residual_;
+    hessian_.noalias() = J.transpose() * J;
+    return;
+  }
+  const Eigen::Vector3d e = residual_;
+  gradient_.noalias() = J_tip.topRows<3>().transpose() * e;
+  for (int i = 0; i < q.size(); ++i) {
+    const bool rotates = arm_.chain().joints()[static_cast<std::size_t>(i)].rotates();
+    const Eigen::Vector3d bent = rotates ? e.cross(posture_.axis(i)).eval() : Eigen::Vector3d::Zero().eval();
+    const Eigen::Vector3d row = J_tip.col(i).head<3>() + bent;
+    for (int j = i; j < q.size(); ++j) hessian_(i, j) = hessian_(j, i) = row.dot(J_tip.col(j).head<3>());
+  }
+}
+
+bool LocalIk::pressed(const Eigen::VectorXd& q, int j) const {
+  if (full_circle_[static_cast<std::size_t>(j)]) return false;
+  return (q[j] <= lower_[j] && gradient_[j] > 0.0) || (q[j] >= upper_[j] && gradient_[j] < 0.0) ||
+         lower_[j] == upper_[j];
+}
+
+Verdict LocalIk::refine(Eigen::VectorXd q) {
+  constexpr double kZero = 1e-28;         // of the cost: nothing left to gain
+  constexpr double kShortestStep = 1e-10;  // [rad] or [m]
+  constexpr double kLongestStep = 1.0;     // longer steps leave the range where the linear model means anything
+  constexpr double kLeastDamping = 1e-9;   // redundant arms have a singular Hessian
+  const auto n = q.size();
+  project(q);
+  double f = cost(q);
+  double damping = 1e-3;  // relative to the largest diagonal entry; arbitrary
+  bool done = f <= kZero;
+  for (int iteration = 0; iteration < max_iterations_ && !done; ++iteration) {
+    ++iterations_;
+    derivatives(q);
+    for (int j = 0; j < n; ++j) {
+      if (!pressed(q, j)) continue;
+      gradient_[j] = 0.0;
+      hessian_.row(j).setZero();
+      hessian_.col(j).setZero();
+      hessian_(j, j) = 1.0;
+    }
+    if (gradient_.cwiseAbs().maxCoeff() == 0.0) break;
+    const double scale = std::max(hessian_.diagonal().cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
+    for (bool moved = false; !moved && !done;) {
+      Eigen::MatrixXd A = hessian_;
+      A.diagonal().array() += damping * scale;
+      const Eigen::LLT<Eigen::MatrixXd> factors{A};
+      if (factors.info() != Eigen::Success) {
+        damping *= 4.0;
+        done = !(damping < 1e12);
+        continue;
+      }
+      Eigen::VectorXd d = factors.solve(-gradient_);
+      const double longest = d.cwiseAbs().maxCoeff();
+      if (longest > kLongestStep) d *= kLongestStep / longest;
+      Eigen::VectorXd trial = q + d;
+      project(trial);
+      const double f_trial = cost(trial);
+      moved = f_trial < f;
+      done = longest < kShortestStep || f_trial <= kZero || !std::isfinite(f_trial);
+      if (moved) {
+        q = std::move(trial);
+        f = f_trial;
+        damping = std::max(0.2 * damping, kLeastDamping);
+      } else {
+        damping *= 4.0;
+      }
+    }
+    // The posture of the last cost() may be a refused one.
+    if (!done) cost(q);
+  }
+  return judge(arm_, region_, q);
+}
+
+std::vector<Eigen::VectorXd> LocalIk::scan() {
+  constexpr std::size_t kMostStarts = 96;
+  const int n = arm_.n_joints();
+  const int points = n == 1 ? 256 : n == 2 ? 48 : 20;  // per joint
+  int total = 1;
+  for (int j = 0; j < n; ++j) total *= points;
+
+  const auto posture_of = [&](int index) {
+    Eigen::VectorXd q(n);
+    for (int j = 0; j < n; ++j, index /= points) {
+      const int steps = full_circle_[static_cast<std::size_t>(j)] ? points : points - 1;
+      q[j] = lower_[j] + (upper_[j] - lower_[j]) * (index % points) / steps;
+    }
+    return q;
+  };
+  std::vector<double> costs(static_cast<std::size_t>(total));
+  for (int i = 0; i < total; ++i) costs[static_cast<std::size_t>(i)] = cost(posture_of(i));
+
+  // Points that no neighbour along a joint betters; equal ones count for the first.
+  const auto is_minimum = [&](int index) {
+    int stride = 1;
+    for (int j = 0; j < n; ++j, stride *= points) {
+      const int k = (index / stride) % points;
+      for (const int side : {-1, 1}) {
+        int neighbour = k + side;
+        if (neighbour < 0 || neighbour >= points) {
+          if (!full_circle_[static_cast<std::size_t>(j)]) continue;
+          neighbour = (neighbour + points) % points;
+        }
+        const int other = index + (neighbour - k) * stride;
+        const double a = costs[static_cast<std::size_t>(index)];
+        const double b = costs[static_cast<std::size_t>(other)];
+        if (b < a || (b == a && other < index)) return false;
+      }
+    }
+    return true;
+  };
+  std::vector<int> minima;
+  for (int i = 0; i < total; ++i) {
+    if (is_minimum(i)) minima.push_back(i);
+  }
+  std::stable_sort(minima.begin(), minima.end(), [&](int a, int b) {
+    return costs[static_cast<std::size_t>(a)] < costs[static_cast<std::size_t>(b)];
+  });
+  if (minima.size() > kMostStarts) minima.resize(kMostStarts);
+  std::vector<Eigen::VectorXd> result;
+  for (const int i : minima) result.push_back(posture_of(i));
+  return result;
+}
+
+}  // namespace modsearch::internal
