@@ -24,6 +24,8 @@ std::unique_ptr<SmoothProgram> DesignProblem::relax(std::span<const int>, const 
 
 Optimism DesignProblem::optimism(std::span<const int>) const { return {}; }
 
+Optimism DesignProblem::optimism_of_length(int) const { return {}; }
+
 std::vector<int> DesignProblem::do_successors(std::span<const int> types) const { return library().successors(types); }
 
 }  // namespace modsearch

@@ -54,6 +54,8 @@ class DesignProblem {
   [[nodiscard]] virtual int max_modules() const = 0;
   /// Types that may be attached next: the action mask. Empty when max_modules() is reached.
   [[nodiscard]] std::vector<int> successors(std::span<const int> types) const;
+  /// Whether Fidelity::kScreen leaves something out: a screened evaluation is then no answer, only a reason to look closer.
+  [[nodiscard]] virtual bool staged() const { return false; }
   /// The instance as an agent sees it: numbers of a length that is fixed for a family of instances.
   [[nodiscard]] virtual Eigen::VectorXd context() const = 0;
 
@@ -66,6 +68,8 @@ class DesignProblem {
                                                              const Relaxation& relaxation = {}) const;
   /// An upper bound on the score of achieved designs with exactly these types; +inf where nothing is known.
   [[nodiscard]] virtual Optimism optimism(std::span<const int> types) const;
+  /// The same for all designs of exactly `n` modules (without the base) at once.
+  [[nodiscard]] virtual Optimism optimism_of_length(int n) const;
 
  private:
   [[nodiscard]] virtual std::vector<int> do_successors(std::span<const int> types) const;

@@ -3,36 +3,138 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <vector>
 
 namespace modsearch {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Lengths are sums of a few dozen rounded numbers of the order of metres.
+constexpr double kRounding = 1e-9;
 
-// How far from the nominal position a position of the region can be at most [m].
+struct Place {
+  int body = 0;
+  const Connector* connector = nullptr;
+};
+
+// The rigid pieces between the two connectors of a module, in order: each a translation affine in the parameters.
+std::vector<AffineVector> rigid_pieces(const ModuleType& module) {
+  std::vector<Place> places;
+  for (std::size_t b = 0; b < module.bodies.size(); ++b) {
+    for (const Connector& connector : module.bodies[b].connectors) {
+      places.push_back({static_cast<int>(b), &connector});
+    }
+  }
+  const Place entry = places.front();
+  const Place exit = places.back();
+
+  // Depth-first from the entry's body to the exit's; modules are trees of a few bodies.
+  std::vector<int> joints;
+  std::vector<bool> seen(module.bodies.size(), false);
+  const auto search = [&](const auto& self, int body) -> bool {
+    if (body == exit.body) return true;
+    seen[static_cast<std::size_t>(body)] = true;
+    for (std::size_t j = 0; j < module.joints.size(); ++j) {
+      const ModuleJoint& joint = module.joints[j];
+      if (joint.parent != body && joint.child != body) continue;
+      const int other = joint.parent == body ? joint.child : joint.parent;
+      if (seen[static_cast<std::size_t>(other)]) continue;
+      joints.push_back(static_cast<int>(j));
+      if (self(self, other)) return true;
+      joints.pop_back();
+    }
+    return false;
+  };
+  search(search, entry.body);
+
+  std::vector<AffineVector> pieces;
+  AffinePose X = entry.connector->X_BC.inverse();
+  int body = entry.body;
+  for (const int j : joints) {
+    const ModuleJoint& joint = module.joints[static_cast<std::size_t>(j)];
+    const bool forward = joint.parent == body;
+    X = X * (forward ? joint.X_PJ : joint.X_JC.inverse());
+    if (!joint.fixed) {
+      pieces.push_back(X.translation);
+      X = AffinePose{};
+      if (!joint.joint.rotates()) {
+        const double travel = std::max(std::abs(joint.joint.lower), std::abs(joint.joint.upper));
+        pieces.push_back(AffineVector{Eigen::Vector3d{0.0, 0.0, travel}});
+      }
+    }
+    X = X * (forward ? joint.X_JC : joint.X_PJ.inverse());
+    body = forward ? joint.child : joint.parent;
+  }
+  pieces.push_back((X * exit.connector->X_BC).translation);
+  return pieces;
+}
+
+}  // namespace
+
+double ModuleSpan::greatest_length() const {
+  double total = length;
+  for (const Stretch& stretch : stretches) total += stretch.length_rate * stretch.range;
+  return total;
+}
+
+ModuleSpan module_span(const ModuleType& module) {
+  const int n = module.n_parameters();
+  ModuleSpan span;
+  span.cost = module.cost;
+  span.stretches.resize(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) {
+    const ParameterRange& range = module.parameters[static_cast<std::size_t>(i)];
+    span.stretches[static_cast<std::size_t>(i)].range = range.upper - range.lower;
+  }
+  const auto lower = [&](int i) { return module.parameters[static_cast<std::size_t>(i)].lower; };
+
+  for (const AffineVector& piece : rigid_pieces(module)) {
+    // |offset + sum d_i x_i| <= |offset + sum d_i lower_i| + sum |d_i| (x_i - lower_i)
+    Eigen::Vector3d at_lower = piece.offset;
+    for (const AffineVector::Term& term : piece.terms) {
+      at_lower += lower(term.parameter) * term.direction;
+      span.stretches[static_cast<std::size_t>(term.parameter)].length_rate += term.direction.norm();
+    }
+    span.length += at_lower.norm();
+  }
+  for (const ModuleBody& body : module.bodies) {
+    span.mass += body.mass.offset;
+    for (const AffineScalar::Term& term : body.mass.terms) {
+      span.mass += term.scale * lower(term.parameter);
+      span.stretches[static_cast<std::size_t>(term.parameter)].mass_rate += term.scale;
+    }
+  }
+  // A parameter that makes the module lighter as it grows goes to its upper end at once: longer and lighter.
+  for (ModuleSpan::Stretch& stretch : span.stretches) {
+    if (stretch.mass_rate > 0.0) continue;
+    span.mass += stretch.mass_rate * stretch.range;
+    span.length += stretch.length_rate * stretch.range;
+    stretch = {};
+  }
+  return span;
+}
+
 double position_slack(const PoseRegion& region) {
   double sphere = kInfinity;
   double radial = kInfinity;
   double axes[3] = {kInfinity, kInfinity, kInfinity};
   for (const Tolerance& tolerance : region.tolerances()) {
     const double extent = std::max(std::abs(tolerance.lower), std::abs(tolerance.upper));
+    // Intervals taken in different frames bound different directions: only the nominal frame's are combined.
+    const bool nominal_frame = tolerance.R_TN.isIdentity(1e-12);
     switch (tolerance.projection) {
       case Projection::kX:
       case Projection::kY:
-      case Projection::kZ: {
-        // Intervals of different frames bound different directions: only those of the nominal frame are combined.
-        if (!tolerance.R_TN.isIdentity(1e-12)) break;
-        double& axis = axes[static_cast<int>(tolerance.projection)];
-        axis = std::min(axis, extent);
+      case Projection::kZ:
+        if (nominal_frame) {
+          double& axis = axes[static_cast<int>(tolerance.projection)];
+          axis = std::min(axis, extent);
+        }
         break;
-      }
       case Projection::kRSph:
         sphere = std::min(sphere, extent);
         break;
       case Projection::kRCyl:
-        if (tolerance.R_TN.isIdentity(1e-12)) radial = std::min(radial, extent);
+        if (nominal_frame) radial = std::min(radial, extent);
         break;
       case Projection::kPhiCyl:
       case Projection::kTheta:
@@ -47,62 +149,49 @@ double position_slack(const PoseRegion& region) {
   return std::min(sphere, std::hypot(std::min(radial, std::hypot(axes[0], axes[1])), axes[2]));
 }
 
-}  // namespace
-
-ReachBound reach_bound(const Chain& chain, const ParameterBox& box, const Eigen::Vector3d& p_WB,
-                       const PoseRegion& region) {
+ReachBound reach_bound(std::span<const ModuleSpan* const> modules, double distance) {
   ReachBound result;
-  result.distance = (region.nominal().translation() - p_WB).norm();
-
-  // length(x) <= fixed + rate . x for x >= 0: each segment by its constant part and its part per parameter. Where the
-  // box is negative somewhere the whole box counts as a constant.
-  const Eigen::Index n = box.lower.size();
-  double fixed = 0.0;
-  Eigen::VectorXd rate = Eigen::VectorXd::Zero(n);
-  for (int j = 0; j <= chain.n_joints(); ++j) {
-    const AffineVector& segment = chain.segment(j).translation;
-    // The base may stand anywhere: its own place is not part of the length.
-    fixed += (j == 0 ? segment.offset - p_WB : segment.offset).norm();
-    for (const AffineVector::Term& term : segment.terms) {
-      const double length = term.direction.norm();
-      if (box.lower[term.parameter] >= 0.0) {
-        rate[term.parameter] += length;
-      } else {
-        fixed += length * std::max(std::abs(box.lower[term.parameter]), std::abs(box.upper[term.parameter]));
-      }
-    }
+  double length = 0.0;
+  std::vector<ModuleSpan::Stretch> stretches;
+  for (const ModuleSpan* module : modules) {
+    length += module->length;
+    result.least_mass += module->mass;
+    result.span += module->greatest_length();
+    stretches.insert(stretches.end(), module->stretches.begin(), module->stretches.end());
   }
-  for (const Joint& joint : chain.joints()) {
-    if (!joint.rotates()) fixed += std::max(std::abs(joint.lower), std::abs(joint.upper));
-  }
-  result.span = fixed + rate.dot(box.upper);
-
-  const double slack = position_slack(region);
-  const double needed = result.distance - slack;
-  constexpr double kRounding = 1e-9;
-  result.possible = !(needed > result.span + kRounding);
-
-  const Eigen::VectorXd mass_rate = chain.mass().gradient(static_cast<int>(n));
-  result.least_mass = chain.mass().least(box.lower, box.upper);
-  double missing = needed - kRounding - fixed;
-  std::vector<Eigen::Index> order;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (mass_rate[i] > 0.0) {
-      missing -= rate[i] * box.lower[i];
-      order.push_back(i);
-    } else {
-      missing -= rate[i] * box.upper[i];  // lengthening it costs nothing
-    }
-  }
-  std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return rate[a] * mass_rate[b] > rate[b] * mass_rate[a];
+  result.possible = !(distance > result.span + kRounding);
+  std::sort(stretches.begin(), stretches.end(), [](const auto& a, const auto& b) {
+    return a.length_rate * b.mass_rate > b.length_rate * a.mass_rate;
   });
-  for (const Eigen::Index i : order) {
-    if (missing <= 0.0 || rate[i] <= 0.0) break;
-    const double by = std::min(missing / rate[i], box.upper[i] - box.lower[i]);
-    result.least_mass += by * mass_rate[i];
-    missing -= by * rate[i];
+  double missing = distance - kRounding - length;
+  for (const ModuleSpan::Stretch& stretch : stretches) {
+    if (missing <= 0.0 || stretch.length_rate <= 0.0) break;
+    const double by = std::min(missing / stretch.length_rate, stretch.range);
+    result.least_mass += by * stretch.mass_rate;
+    missing -= by * stretch.length_rate;
   }
+  return result;
+}
+
+ReachBound reach_bound(const ModuleSpan& base, std::span<const ModuleSpan> types, int n, double distance) {
+  ReachBound result{.span = base.greatest_length(), .least_mass = base.mass};
+  double greatest_length = 0.0;
+  double greatest_start = 0.0;
+  double least_mass = types.empty() ? 0.0 : kInfinity;
+  double best_rate = 0.0;  // most length per kilogram of any stretch
+  for (const ModuleSpan& type : types) {
+    greatest_length = std::max(greatest_length, type.greatest_length());
+    greatest_start = std::max(greatest_start, type.length);
+    least_mass = std::min(least_mass, type.mass);
+    for (const ModuleSpan::Stretch& stretch : type.stretches) {
+      if (stretch.mass_rate > 0.0) best_rate = std::max(best_rate, stretch.length_rate / stretch.mass_rate);
+    }
+  }
+  result.span += n * greatest_length;
+  result.possible = !(distance > result.span + kRounding);
+  result.least_mass += n * least_mass;
+  const double missing = distance - kRounding - base.greatest_length() - n * greatest_start;
+  if (missing > 0.0 && best_rate > 0.0) result.least_mass += missing / best_rate;
   return result;
 }
 

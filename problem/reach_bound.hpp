@@ -1,23 +1,47 @@
 #pragma once
 
-#include <modsearch/kinematics/chain.hpp>
 #include <modsearch/kinematics/pose_region.hpp>
-#include <modsearch/problem/design.hpp>
+#include <modsearch/problem/module_library.hpp>
+#include <span>
+#include <vector>
 
 namespace modsearch {
 
-/// What the triangle inequality says about reaching a region with a chain whose parameters lie in a box.
-struct ReachBound {
-  bool possible = true;     ///< false: proved that no parameters and no posture reach the region
-  double distance = 0.0;    ///< from the base to the nominal position [m]
-  double span = 0.0;        ///< longest stretched chain within the box [m]
-  double least_mass = 0.0;  ///< no parameters that reach weigh less [kg]
+/// How far one module can carry the arm and what that weighs: the tip moves away from the module's entry by at most
+/// `length` + sum of length_rate * stretch, at a mass of at least `mass` + sum of mass_rate * stretch.
+struct ModuleSpan {
+  struct Stretch {
+    double length_rate = 0.0;  ///< [m per unit of the parameter]
+    double mass_rate = 0.0;    ///< [kg per unit]
+    double range = 0.0;        ///< upper - lower
+  };
+  double length = 0.0;  ///< stretched out, parameters at their lower ends [m]
+  double mass = 0.0;    ///< least mass within the box, but for the stretches counted in `stretches` [kg]
+  double cost = 0.0;
+  std::vector<Stretch> stretches;
+
+  [[nodiscard]] double greatest_length() const;
 };
 
-/// The tip is never farther from the base at `p_WB` than the chain is long, so that length >= distance - tolerance. The
-/// lightest parameters that are long enough come from a fractional knapsack: both mass and an upper bound of the length
-/// are affine in the parameters, so they are lengthened in order of length per mass.
-[[nodiscard]] ReachBound reach_bound(const Chain& chain, const ParameterBox& box, const Eigen::Vector3d& p_WB,
-                                     const PoseRegion& region);
+/// The span of a module type between its two connectors, by the triangle inequality over its rigid pieces.
+[[nodiscard]] ModuleSpan module_span(const ModuleType& module);
+
+/// How far from the nominal position a position of the region can be at most [m]; +inf if unbounded.
+[[nodiscard]] double position_slack(const PoseRegion& region);
+
+/// What the triangle inequality says about reaching something with certain modules.
+struct ReachBound {
+  bool possible = true;     ///< false: proved that no parameters and no posture get there
+  double span = 0.0;        ///< longest stretched arm [m]
+  double least_mass = 0.0;  ///< no parameters that get there weigh less [kg]
+};
+
+/// Arms of exactly these modules whose tip has to be `distance` [m] away from the base. The tip is never farther away than
+/// the arm is long; the lightest parameters that are long enough come from a fractional knapsack, because length and mass
+/// are affine in them.
+[[nodiscard]] ReachBound reach_bound(std::span<const ModuleSpan* const> modules, double distance);
+
+/// Arms of `base` and any `n` of `types`: weaker, but covers all sequences of that length at once.
+[[nodiscard]] ReachBound reach_bound(const ModuleSpan& base, std::span<const ModuleSpan> types, int n, double distance);
 
 }  // namespace modsearch

@@ -5,11 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <modsearch/problem/reach_bound.hpp>
+#include <mutex>
+#include <shared_mutex>
 #include <modsearch/problem/task_program.hpp>
 #include <stdexcept>
 
 namespace modsearch {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kProvedImpossible = -kInfinity;
+
+}  // namespace
 
 // Chains by type sequence. Readers share the lock: all but the first evaluation of a sequence only look.
 struct RobotProblem::ChainCache {
@@ -29,6 +36,8 @@ RobotProblem::RobotProblem(RobotProblemSpec spec) : spec_{std::move(spec)}, chai
   if (spec_.max_modules < 1 || spec_.max_modules > 64) {
     refuse(fmt::format("at most {} modules, not in [1, 64]", spec_.max_modules));
   }
+  base_span_ = module_span(library().base());
+  for (int k = 0; k < library().n_types(); ++k) type_spans_.push_back(module_span(library().type(k)));
 }
 
 RobotProblem RobotProblem::with_level(Level level) const {
@@ -100,25 +109,36 @@ std::unique_ptr<SmoothProgram> RobotProblem::relax(std::span<const int> types, c
   return std::make_unique<TaskProgram>(*this, types, relaxation);
 }
 
-Optimism RobotProblem::optimism(std::span<const int> types) const {
-  constexpr double kImpossible = -std::numeric_limits<double>::infinity();
-  if (!library().complete(types)) return {kImpossible, "the design does not end in an end effector"};
-  const Chain& chain_of_types = chain(types);
-  const ParameterBox box = parameter_box(library(), types);
-  double least_mass = chain_of_types.mass().least(box.lower, box.upper);
+double RobotProblem::farthest_goal() const {
+  double distance = 0.0;
   for (const Goal& goal : task().goals()) {
-    const ReachBound bound = reach_bound(chain_of_types, box, spec_.X_WB.translation(), goal.region);
-    if (!bound.possible) {
-      return {kImpossible, fmt::format("goal '{}' is {:.4g} m from the base, beyond the {:.4g} m that {} can reach",
-                                       goal.id, bound.distance, bound.span,
-                                       types.empty() ? std::string{"the base alone"}
-                                                     : fmt::format("{} modules", types.size()))};
-    }
-    least_mass = std::max(least_mass, bound.least_mass);
+    distance = std::max(distance, (goal.position() - spec_.X_WB.translation()).norm() - position_slack(goal.region));
   }
-  double cost = library().base().cost;
-  for (const int k : types) cost += library().type(k).cost;
-  return {spec_.scoring->bound(static_cast<int>(types.size()) + 1, least_mass, cost), ""};
+  return distance;
+}
+
+Optimism RobotProblem::optimism(std::span<const int> types) const {
+  if (!library().complete(types)) return {kProvedImpossible, "the design does not end in an end effector"};
+  std::vector<const ModuleSpan*> modules{&base_span_};
+  double cost = base_span_.cost;
+  for (const int k : types) {
+    modules.push_back(&type_spans_[static_cast<std::size_t>(k)]);
+    cost += modules.back()->cost;
+  }
+  return judged(reach_bound(modules, farthest_goal()), static_cast<int>(types.size()), cost);
+}
+
+Optimism RobotProblem::optimism_of_length(int n) const {
+  double least_cost = type_spans_.empty() ? 0.0 : kInfinity;
+  for (const ModuleSpan& type : type_spans_) least_cost = std::min(least_cost, type.cost);
+  return judged(reach_bound(base_span_, type_spans_, n, farthest_goal()), n, base_span_.cost + n * least_cost);
+}
+
+Optimism RobotProblem::judged(const ReachBound& bound, int n, double least_cost) const {
+  if (bound.possible) return {spec_.scoring->bound(n + 1, bound.least_mass, least_cost), ""};
+  return {kProvedImpossible, fmt::format("a goal is {:.4g} m away from the base, and {} reach at most {:.4g} m",
+                                         farthest_goal(), n == 1 ? "1 module" : fmt::format("{} modules", n),
+                                         bound.span)};
 }
 
 }  // namespace modsearch

@@ -3,11 +3,10 @@
 #include <memory>
 #include <modsearch/kinematics/scene.hpp>
 #include <modsearch/problem/design_problem.hpp>
+#include <modsearch/problem/reach_bound.hpp>
 #include <modsearch/problem/task.hpp>
-#include <mutex>
-#include <shared_mutex>
 #include <string>
-#include <unordered_map>
+#include <vector>
 
 namespace modsearch {
 
@@ -34,10 +33,12 @@ class RobotProblem final : public DesignProblem {
   [[nodiscard]] std::string name() const override { return spec_.name; }
   [[nodiscard]] const ModuleLibrary& library() const override { return *spec_.library; }
   [[nodiscard]] int max_modules() const override { return spec_.max_modules; }
+  [[nodiscard]] bool staged() const override { return spec_.level == Level::kPath; }
   [[nodiscard]] Eigen::VectorXd context() const override;
   [[nodiscard]] std::unique_ptr<SmoothProgram> relax(std::span<const int> types,
                                                      const Relaxation& relaxation = {}) const override;
   [[nodiscard]] Optimism optimism(std::span<const int> types) const override;
+  [[nodiscard]] Optimism optimism_of_length(int n) const override;
 
   [[nodiscard]] const RobotProblemSpec& spec() const { return spec_; }
   [[nodiscard]] const Task& task() const { return *spec_.task; }
@@ -52,9 +53,14 @@ class RobotProblem final : public DesignProblem {
   [[nodiscard]] std::vector<int> do_successors(std::span<const int> types) const override;
   [[nodiscard]] Evaluation do_evaluate(const Design& design, Fidelity fidelity) const override;
 
+  [[nodiscard]] double farthest_goal() const;
+  [[nodiscard]] Optimism judged(const ReachBound& bound, int n, double least_cost) const;
+
   struct ChainCache;  // behind a pointer: a problem can be moved
   RobotProblemSpec spec_;
   std::shared_ptr<ChainCache> chains_;
+  ModuleSpan base_span_;
+  std::vector<ModuleSpan> type_spans_;
 };
 
 }  // namespace modsearch

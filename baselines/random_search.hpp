@@ -1,0 +1,20 @@
+#pragma once
+
+#include <modsearch/solvers/solver.hpp>
+
+namespace modsearch {
+
+/// A design with a uniform number of modules in 1 .. max_modules - 1, uniform types among those that may follow, and
+/// uniform parameters. Shorter only where nothing may follow.
+[[nodiscard]] Design random_design(const DesignProblem& problem, Rng& rng);
+
+/// Draws designs at random until the budget is spent: the bar that every method has to clear.
+class RandomSearch final : public Solver {
+ public:
+  [[nodiscard]] std::string name() const override { return "random"; }
+
+ private:
+  [[nodiscard]] SearchEnd do_solve(const DesignProblem& problem, Meter& meter, Rng rng) const override;
+};
+
+}  // namespace modsearch
