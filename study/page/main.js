@@ -102,8 +102,15 @@ function start_view(world, renderer) {
     world.light_up(index);
     shown.touch();
   });
-  new ResizeObserver(() => draw_trace($("trace"), data.facts)).observe(document.querySelector(".panel"));
-  draw_trace($("trace"), data.facts);
+  // Drawing changes the height of the panel; only another width is a reason to draw again.
+  let drawn_width = 0;
+  const draw = () => {
+    if ($("trace").clientWidth === drawn_width) return;
+    drawn_width = $("trace").clientWidth;
+    draw_trace($("trace"), data.facts);
+  };
+  new ResizeObserver(draw).observe($("trace"));
+  draw();
 
   const player = new Player(data.scene, (t) => {
     if (!world) return;
