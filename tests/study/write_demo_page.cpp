@@ -3,7 +3,7 @@
 #include <iostream>
 #include <string>
 
-#include "demo_page.hpp"
+#include "study/demo_page.hpp"
 
 int main(int argc, char** argv) {
   if (argc < 2) {
