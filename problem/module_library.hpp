@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <modsearch/kinematics/chain.hpp>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace modsearch {
@@ -11,14 +13,15 @@ namespace modsearch {
 /// A continuous parameter of a module type, in a closed interval.
 struct ParameterRange {
   std::string name;
-  std::string unit = "m";
-  double lower = 0.0;
+  std::string unit = "m";  ///< "m" or "rad"
+  double lower = 0.0;      ///< in that unit
   double upper = 0.0;
 };
 
 enum class Gender { kFemale, kMale, kHermaphroditic };
 
-/// A place where a module can be joined to another. Its frame C points away from the body (z outwards).
+/// A place where a module can be joined to another. Its frame C points away from the body (z outwards), so joining A to B
+/// turns the frame of A's connector by half a turn about x into the frame of B's.
 struct Connector {
   std::string id;
   AffinePose X_BC;  ///< body -> connector
@@ -55,7 +58,13 @@ struct ModuleJoint {
   double friction_viscous = 0.0;
 };
 
-enum class ModuleRole { kBase, kLink, kJoint, kEndEffector };
+/// What a module is there for, read off its connectors and joints.
+enum class ModuleRole {
+  kBase,         ///< has a connector of type "base"
+  kLink,         ///< rigid
+  kJoint,        ///< has joints
+  kEndEffector,  ///< has a connector of type "eef"
+};
 
 /// One type of module, as a library describes it (Timor's format with continuous parameters).
 struct ModuleType {
@@ -66,19 +75,25 @@ struct ModuleType {
   std::vector<ModuleBody> bodies;
   std::vector<ModuleJoint> joints;
 
+  /// A base or an end effector may have joints too: the connectors decide first.
   [[nodiscard]] ModuleRole role() const;
   [[nodiscard]] int n_parameters() const { return static_cast<int>(parameters.size()); }
 };
 
-/// A set of module types and the rules by which they join. Serial chains of two-connector modules.
+/// A set of module types and the rules by which they join (the format of Timor, Kuelz, Mayer and Althoff 2023, "Timor
+/// Python: A Toolbox for Industrial Modular Robotics", IROS, doi:10.1109/IROS55552.2023.10341935, with parameters).
 ///
+/// Serial chains of two-connector modules: a module is entered by its first declared connector that fits the free one
+/// before it and left by the other. The tip is the frame of the end effector's `eef` connector, else of the last free one.
 /// The base module is fixed and not counted among the types: type k = 0 .. n_types() - 1 are those a design chooses from.
 class ModuleLibrary {
  public:
   static constexpr int kMaxParameters = 8;  ///< per module: Parameters of a placement never touch the heap
 
-  /// `name`: ID or file, for messages. Throws std::invalid_argument (module, what) unless there is exactly one base and
-  /// every module has the connectors of a serial chain and at most kMaxParameters parameters.
+  /// `name`: ID or file, for messages. The types keep the order of `modules`, the base left out.
+  /// Throws std::invalid_argument (module, what, limit) unless there is exactly one base, without parameters, every module
+  /// has two connectors with a serial chain of joints between them and at most kMaxParameters parameters, IDs are unique,
+  /// and no mass or size becomes negative within the parameters' intervals.
   ModuleLibrary(std::string name, std::vector<ModuleType> modules, NeighbourRule rule = NeighbourRule::kViaJoint);
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -92,7 +107,8 @@ class ModuleLibrary {
   /// Largest number of parameters of any type.
   [[nodiscard]] int max_parameters() const;
 
-  /// Types whose connectors fit the free end of base + `types` (all of which must fit in turn).
+  /// Types whose connectors fit the free end of base + `types`, in rising order.
+  /// Throws std::invalid_argument if `types` do not fit in turn.
   [[nodiscard]] std::vector<int> successors(std::span<const int> types) const;
   /// Whether each type may follow the one before.
   [[nodiscard]] bool fits_together(std::span<const int> types) const;
@@ -105,11 +121,31 @@ class ModuleLibrary {
                                const Eigen::Isometry3d& X_WB = Eigen::Isometry3d::Identity()) const;
 
  private:
+  // One of the two connectors of a module, reduced to what joining needs: sequences are checked in every step of a search.
+  struct End {
+    int body = 0;
+    int connector = 0;
+    int mate = -1;  // number of the connector's (type, size), equal for those that can join; -1: joins nothing
+    Gender gender = Gender::kHermaphroditic;
+  };
+  using Ends = std::array<End, 2>;  // in the order of declaration
+
+  [[nodiscard]] Ends ends(const ModuleType& module);
+  [[nodiscard]] const Ends& ends_of(int k) const;
+  // Which end of type `k` is entered from the free end `previous`; -1: none.
+  [[nodiscard]] int entry(const End& previous, int k) const;
+  // The free end of base + `types`; empty if they do not fit together.
+  [[nodiscard]] std::optional<End> free_end(std::span<const int> types) const;
+
   std::string name_;
   ModuleType base_;
   std::vector<ModuleType> types_;
   NeighbourRule rule_;
   bool has_end_effectors_ = false;
+  std::vector<std::pair<std::string, std::vector<double>>> mates_;  // (type, size) by number
+  End base_end_;                                                     // the base's connector for the first module
+  End ground_end_;                                                   // the base's connector of type "base"
+  std::vector<Ends> ends_;                                           // [n_types]
 };
 
 }  // namespace modsearch

@@ -1,0 +1,32 @@
+#include <algorithm>
+#include <modsearch/problem/builtin_internal.hpp>
+#include <modsearch/problem/readers_internal.hpp>
+
+namespace modsearch {
+namespace detail {
+namespace {
+
+std::optional<std::string_view> text_of(std::span<const BuiltinFile> files, std::string_view id) {
+  const auto found = std::find_if(files.begin(), files.end(), [&](const BuiltinFile& file) { return file.id == id; });
+  if (found == files.end()) return std::nullopt;
+  return found->text;
+}
+
+std::vector<std::string> ids(std::span<const BuiltinFile> files) {
+  std::vector<std::string> result;
+  for (const BuiltinFile& file : files) result.emplace_back(file.id);
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+}  // namespace
+
+std::optional<std::string_view> builtin_library(std::string_view id) { return text_of(kBuiltinLibraries, id); }
+std::optional<std::string_view> builtin_problem(std::string_view id) { return text_of(kBuiltinProblems, id); }
+
+}  // namespace detail
+
+std::vector<std::string> builtin_problems() { return detail::ids(detail::kBuiltinProblems); }
+std::vector<std::string> builtin_libraries() { return detail::ids(detail::kBuiltinLibraries); }
+
+}  // namespace modsearch

@@ -1,0 +1,27 @@
+#pragma once
+
+// Numbers affine in parameters, poses and shapes as files write them. Internal to the problem floor.
+
+#include <modsearch/problem/json_internal.hpp>
+#include <modsearch/problem/module_library.hpp>
+
+namespace modsearch::detail {
+
+/// The parameters that numbers of a module may refer to; none in a task.
+using ParameterList = std::vector<ParameterRange>;
+
+/// A number, or {"parameter": name, "scale": 1, "offset": 0} meaning offset + scale * value, never below `lower` within
+/// the parameter's interval.
+[[nodiscard]] AffineScalar read_affine(const JsonCursor& cursor, const ParameterList& parameters,
+                                       double lower = -std::numeric_limits<double>::infinity());
+/// [3] such numbers.
+[[nodiscard]] AffineVector read_affine_vector(const JsonCursor& cursor, const ParameterList& parameters);
+/// A 4x4 pose whose translation consists of such numbers.
+[[nodiscard]] AffinePose read_affine_pose(const JsonCursor& cursor, const ParameterList& parameters);
+/// {type, parameters, pose} of a box, cylinder, sphere or mesh.
+[[nodiscard]] BodyGeometry read_geometry(const JsonCursor& cursor, const ParameterList& parameters);
+
+/// Triangles of `file` (any format assimp reads) scaled by `scale` per axis. Throws std::runtime_error (what, limit).
+[[nodiscard]] std::shared_ptr<const TriangleMesh> load_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale);
+
+}  // namespace modsearch::detail

@@ -1,0 +1,98 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <modsearch/problem/readers_internal.hpp>
+
+namespace modsearch {
+namespace detail {
+namespace {
+
+/// A document that stands in place or is named by a file relative to this one.
+TaskFile read_task_of(const JsonCursor& cursor) {
+  if (!cursor.value().is_string()) return read_task(cursor);
+  const std::filesystem::path file = cursor.source().directory / cursor.text();
+  return read_task(load_json(file, cursor.source().label).cursor());
+}
+
+std::shared_ptr<const ModuleLibrary> read_library_of(const JsonCursor& cursor, const std::string& problem) {
+  if (!cursor.value().is_string()) return read_library(cursor, problem);
+  return load_library_from(cursor.text(), cursor.source().directory, cursor.source().label);
+}
+
+Sampling read_sampling(const JsonCursor& cursor, const std::vector<Goal>& goals) {
+  cursor.expect_keys({"goal", "box", "minClearance"});
+  Sampling sampling;
+  sampling.goal = cursor.at("goal").text();
+  const bool known = std::any_of(goals.begin(), goals.end(), [&](const Goal& goal) { return goal.id == sampling.goal; });
+  if (!known) cursor.at("goal").fail_value("the ID of a goal of the task");
+  const JsonCursor box = cursor.at("box");
+  box.expect_keys({"lower", "upper"});
+  sampling.lower = box.at("lower").vector(3);
+  sampling.upper = box.at("upper").vector(3);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (sampling.lower[axis] > sampling.upper[axis]) {
+      box.at("upper").items()[static_cast<std::size_t>(axis)].fail_value(
+          fmt::format("at least {}, the lower end", sampling.lower[axis]));
+    }
+  }
+  sampling.min_clearance = cursor.number_or("minClearance", 0.0);
+  return sampling;
+}
+
+ProblemFile read_problem(const JsonCursor& cursor, const std::string& name) {
+  cursor.expect_keys({"modsearch", "task", "library", "maxModules", "collision", "scoring", "sampling"});
+  static_cast<void>(cursor.at("modsearch").integer(1, 1));
+  ProblemFile result;
+  result.spec.name = name;
+  TaskFile task = read_task_of(cursor.at("task"));
+  if (task.goals.empty()) cursor.at("task").fail("the task has no goals (limit: at least 1)");
+  result.spec.library = read_library_of(cursor.at("library"), name);
+  result.spec.task = std::move(task.task);
+  result.spec.scene = std::move(task.scene);
+  result.spec.X_WB = task.X_WB;
+  result.goals = std::move(task.goals);
+  result.spec.time_step = task.time_step;
+  result.spec.max_modules = static_cast<int>(cursor.at("maxModules").integer(1, 64));
+  constexpr Level kLevels[] = {Level::kNone, Level::kPosture, Level::kPostureSelf, Level::kPath};
+  result.spec.level = kLevels[cursor.at("collision").choice({"none", "posture", "posture+self", "path"})];
+  result.spec.scoring = read_scoring(cursor.at("scoring"));
+  if (const std::optional<JsonCursor> sampling = cursor.find("sampling")) {
+    result.sampling = read_sampling(*sampling, result.goals);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::shared_ptr<const Scoring> read_scoring(const JsonCursor& cursor) {
+  if (cursor.at("type").choice({"algorithm1", "weighted"}) == 0) {
+    cursor.expect_keys({"type"});
+    return std::make_shared<const Algorithm1>();
+  }
+  cursor.expect_keys({"type", "reached", "distance", "module", "mass", "cost", "collision"});
+  const auto weight = [&](const char* key) { return cursor.number_or(key, 0.0, {.lower = 0.0}); };
+  return cursor.guard([&] {
+    return std::make_shared<const WeightedScoring>(WeightedScoring::Weights{.reached = weight("reached"),
+                                                                            .distance = weight("distance"),
+                                                                            .module = weight("module"),
+                                                                            .mass = weight("mass"),
+                                                                            .cost = weight("cost"),
+                                                                            .collision = weight("collision")});
+  });
+}
+
+}  // namespace detail
+
+ProblemFile load_problem_file(const std::string& file_or_id) {
+  if (const std::optional<std::string_view> text = detail::builtin_problem(file_or_id)) {
+    const detail::JsonDocument document = detail::parse_json(std::string{*text}, {"built-in problem " + file_or_id, {}});
+    return detail::read_problem(document.cursor(), file_or_id);
+  }
+  return detail::read_problem(detail::load_json(file_or_id).cursor(), file_or_id);
+}
+
+std::shared_ptr<const RobotProblem> load_problem(const std::string& file_or_id, Instance instance) {
+  return load_problem_file(file_or_id).instance(instance);
+}
+
+}  // namespace modsearch

@@ -1,0 +1,28 @@
+#pragma once
+
+// Readers of parts of files, shared between the files that may hold or name them. Internal to the problem floor.
+
+#include <modsearch/problem/files.hpp>
+#include <modsearch/problem/json_internal.hpp>
+
+namespace modsearch::detail {
+
+/// Text of the built-in library or problem with this ID.
+[[nodiscard]] std::optional<std::string_view> builtin_library(std::string_view id);
+[[nodiscard]] std::optional<std::string_view> builtin_problem(std::string_view id);
+
+/// `name`: ID or file, kept in the library for messages.
+[[nodiscard]] std::shared_ptr<const ModuleLibrary> read_library(const JsonCursor& cursor, const std::string& name);
+/// A built-in library, or a file relative to `directory` that `referrer` names.
+[[nodiscard]] std::shared_ptr<const ModuleLibrary> load_library_from(const std::string& file_or_id,
+                                                                     const std::filesystem::path& directory,
+                                                                     const std::string& referrer);
+
+[[nodiscard]] TaskFile read_task(const JsonCursor& cursor);
+
+[[nodiscard]] std::shared_ptr<const Scoring> read_scoring(const JsonCursor& cursor);
+
+/// A list of {"type", "parameters"}.
+[[nodiscard]] Design read_design(const JsonCursor& cursor, const ModuleLibrary& library);
+
+}  // namespace modsearch::detail
