@@ -20,6 +20,7 @@ struct RobotProblemSpec {
   Level level = Level::kPosture;
   int max_modules = 10;  ///< in [1, 64], the base included
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  ///< pose of the base
+  double time_step = 0.01;  ///< between the rows of a trajectory in a solution file [s]; CoBRA's timeStepSize
   IkOptions ik;
   PlanOptions planner;
 };
