@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <modsearch/kinematics/exact_reach_internal.hpp>
+#include <modsearch/kinematics/reach_closed_forms_internal.hpp>
 #include <modsearch/kinematics/reach_search_internal.hpp>
 #include <numbers>
 #include <optional>
@@ -346,6 +348,7 @@ Nearest nearest(const ReachProblem& problem, ReachWork& work) {
   if (const std::optional<Coaxial> pair = find_coaxial(problem)) {
     return plain_split(*pair, nearest(merged(problem, *pair), work));
   }
+  if (const std::optional<ClosedForm> closed = closed_form(problem, 0.0)) return closed->minima[0];
   Search search{problem, false, work};
   search.run();
   return std::min_element(search.minima().begin(), search.minima().end(),
@@ -419,6 +422,16 @@ std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int fa
     return all_splits(*pair, all_nearest(merged(problem, *pair), tie, family_points, work), family_points);
   }
 
+  if (const std::optional<ClosedForm> closed = closed_form(problem, tie); closed && closed->complete) {
+    const NearestList& list = closed->minima;
+    if (closed->family_joint < 0) {
+      std::vector<Nearest> result;
+      std::copy_if(list.begin(), list.end(), std::back_inserter(result),
+                   [&](const Nearest& item) { return item.distance <= list[0].distance + tie; });
+      return result;
+    }
+    return family(problem, closed->family_joint, list[0].distance + tie, tie, family_points, work);
+  }
   Search search{problem, true, work};
   search.run();
   std::vector<Search::Minimum>& minima = search.minima();
@@ -427,10 +440,13 @@ std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int fa
   const double limit = minima[0].nearest.distance + tie;
   std::vector<Nearest> result;
   std::array<bool, kMaxReachJoints> moves{};
+  bool has_flat = false;
   for (const Search::Minimum& minimum : minima) {
     if (minimum.nearest.distance > limit) break;
-    result.push_back(minimum.nearest);
+    // Flat ones come again as members of their family; the first stays in case that it is not one.
+    if (!minimum.flat || !has_flat) result.push_back(minimum.nearest);
     if (!minimum.flat) continue;
+    has_flat = true;
     Eigen::Index k = 0;
     minimum.direction.cwiseAbs().maxCoeff(&k);
     moves[static_cast<std::size_t>(k)] = true;

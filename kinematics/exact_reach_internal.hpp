@@ -4,6 +4,7 @@
 // it. The method and its limits: docs/inverse_kinematics.md.
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <modsearch/kinematics/arm.hpp>
@@ -47,6 +48,10 @@ class NearestList {
   /// Adds, or drops what does not fit any more.
   void add(const Nearest& item) {
     if (size_ < kCapacity) items_[static_cast<std::size_t>(size_++)] = item;
+  }
+  void add_first(const Nearest& item) {
+    add(item);
+    std::rotate(begin(), end() - 1, end());
   }
   void resize(int size) { size_ = size; }
   [[nodiscard]] int size() const { return size_; }
