@@ -39,7 +39,7 @@ if ((${#selection[@]})); then
 fi
 
 # Why tests were skipped, and how all of them went. The report has one element per line; a skipped test has said why
-# between GoogleTest's lines "file:line: Skipped" and "[  SKIPPED ]".
+# between GoogleTest's lines "file:line: Skipped" and "[  SKIPPED ]", or, where it is a script, behind "skipped: ".
 awk '
   function attribute(name,   text) {
     text = $0
@@ -59,6 +59,7 @@ awk '
     if (attribute("message") ~ /^SKIP_/) status = "skipped"
   }
   /: Skipped$/ { listening = 1; next }
+  /^([ \t]*<system-out>)?skipped: / { reason = plain($0); sub(".*skipped: ", "", reason); sub("</system-out>$", "", reason) }
   index($0, "[  SKIPPED ]") { listening = 0 }
   listening && $0 != "" { reason = reason (reason == "" ? "" : " ") plain($0) }
   /^[ \t]*<\/testcase>/ {
