@@ -24,6 +24,7 @@ function(modsearch_floor name)
   endforeach()
   target_link_libraries(modsearch_${name} PUBLIC ${FLOOR_PUBLIC} PRIVATE ${FLOOR_PRIVATE}
                         $<BUILD_INTERFACE:modsearch_warnings>)
+  target_link_options(modsearch_${name} PRIVATE LINKER:--no-undefined)  # a forgotten source is an error here, not later
 
   install(TARGETS modsearch_${name} EXPORT modsearchTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
