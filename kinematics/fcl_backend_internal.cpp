@@ -9,6 +9,11 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <variant>
+#include <vector>
+
+#include "mesh_tree_internal.hpp"
+#include "triangle_internal.hpp"
 
 namespace modsearch::detail {
 namespace {
@@ -35,25 +40,31 @@ std::shared_ptr<const Tree> build_tree(const TriangleMesh& mesh) {
   return tree;
 }
 
-/// Trees of the meshes in use, one per TriangleMesh, dropped after it. Only saves time: a tree depends on nothing but
-/// the triangles, which never change.
+/// What a mesh needs beside its triangles.
+struct MeshTrees {
+  std::shared_ptr<const Tree> boxes;      ///< FCL's, for overlaps and for two meshes
+  std::shared_ptr<const MeshTree> balls;  ///< for the distance of a mesh and another shape
+};
+
+/// Trees of the meshes in use, one pair per TriangleMesh, dropped after it. Only saves time: a tree depends on nothing
+/// but the triangles, which never change.
 class TreeCache {
  public:
-  std::shared_ptr<const Tree> get(const std::shared_ptr<const TriangleMesh>& mesh) {
+  MeshTrees get(const std::shared_ptr<const TriangleMesh>& mesh) {
     const std::lock_guard lock(mutex_);
     const auto found = trees_.find(mesh.get());
     // An address may be used again by another mesh: the entry counts only while its own mesh lives.
-    if (found != trees_.end() && found->second.mesh.lock() == mesh) return found->second.tree;
+    if (found != trees_.end() && found->second.mesh.lock() == mesh) return found->second.trees;
     std::erase_if(trees_, [](const auto& entry) { return entry.second.mesh.expired(); });
-    auto tree = build_tree(*mesh);
-    trees_[mesh.get()] = {mesh, tree};
-    return tree;
+    MeshTrees trees{build_tree(*mesh), std::make_shared<const MeshTree>(*mesh)};
+    trees_[mesh.get()] = {mesh, trees};
+    return trees;
   }
 
  private:
   struct Entry {
     std::weak_ptr<const TriangleMesh> mesh;
-    std::shared_ptr<const Tree> tree;
+    MeshTrees trees;
   };
   std::mutex mutex_;
   std::map<const TriangleMesh*, Entry> trees_;
@@ -65,10 +76,11 @@ Geometry geometry(const Cylinder& cylinder) {
   return std::make_shared<fcl::Cylinderd>(cylinder.radius, cylinder.length);
 }
 Geometry geometry(const Capsule& capsule) { return std::make_shared<fcl::Capsuled>(capsule.radius, capsule.length); }
-Geometry geometry(const Mesh& mesh) {
+MeshTrees trees_of(const Mesh& mesh) {
   static TreeCache cache;
   return cache.get(mesh.triangles);
 }
+Geometry geometry(const Mesh& mesh) { return trees_of(mesh).boxes; }
 Geometry geometry(const Shape& shape) {
   return std::visit([](const auto& one) { return geometry(one); }, shape);
 }
@@ -82,6 +94,12 @@ auto loudly(const Query& query) {
   }
 }
 
+Triangle corners(const TriangleMesh& mesh, const Isometry3d& X, std::intptr_t triangle) {
+  const Eigen::Vector3i& t = mesh.triangles[static_cast<std::size_t>(triangle)];
+  const auto corner = [&](int k) -> Vector3d { return X * mesh.vertices[static_cast<std::size_t>(t[k])]; };
+  return {corner(0), corner(1), corner(2)};
+}
+
 }  // namespace
 
 bool mesh_overlaps(const Shape& a, const Isometry3d& X_WA, const Mesh& b, const Isometry3d& X_WB) {
@@ -89,23 +107,48 @@ bool mesh_overlaps(const Shape& a, const Isometry3d& X_WA, const Mesh& b, const 
     fcl::CollisionRequestd request;
     request.gjk_solver_type = fcl::GST_INDEP;
     fcl::CollisionResultd result;
-    return fcl::collide(geometry(a).get(), X_WA, geometry(b).get(), X_WB, request, result) > 0;
+    return fcl::collide(geometry(b).get(), X_WB, geometry(a).get(), X_WA, request, result) > 0;
   });
 }
 
-Separation mesh_separation(const Shape& a, const Isometry3d& X_WA, const Mesh& b, const Isometry3d& X_WB) {
+namespace {
+
+/// Two meshes: FCL finds the triangles that touch or are nearest, measured by `triangle_separation`.
+Separation separation_of_meshes(const Mesh& a, const Isometry3d& X_WA, const Mesh& b, const Isometry3d& X_WB) {
   return loudly([&] {
+    const Geometry geometry_a = geometry(a);
+    const Geometry geometry_b = geometry(b);
+    fcl::CollisionRequestd contacts(std::numeric_limits<std::size_t>::max(), true);
+    fcl::CollisionResultd touching;
+    fcl::collide(geometry_a.get(), X_WA, geometry_b.get(), X_WB, contacts, touching);
+    if (touching.isCollision()) {
+      Separation deepest;
+      deepest.distance = std::numeric_limits<double>::infinity();
+      for (std::size_t k = 0; k < touching.numContacts(); ++k) {
+        const fcl::Contactd& contact = touching.getContact(k);
+        const Separation s =
+            triangle_separation(corners(*a.triangles, X_WA, contact.b1), corners(*b.triangles, X_WB, contact.b2));
+        if (s.distance < deepest.distance) deepest = s;
+      }
+      // Edges that just touch may measure as zero, or as a hair more.
+      deepest.distance = std::min(deepest.distance, -std::numeric_limits<double>::min());
+      return deepest;
+    }
     fcl::DistanceRequestd request(true);
-    request.gjk_solver_type = fcl::GST_INDEP;
-    fcl::DistanceResultd result;
-    fcl::distance(geometry(a).get(), X_WA, geometry(b).get(), X_WB, request, result);
-    Separation s;
-    s.distance = result.min_distance;
-    s.p_WA = result.nearest_points[0];
-    s.p_WB = result.nearest_points[1];
-    s.normal_W = (s.p_WA - s.p_WB).normalized();
+    fcl::DistanceResultd nearest;
+    fcl::distance(geometry_a.get(), X_WA, geometry_b.get(), X_WB, request, nearest);
+    Separation s =
+        triangle_separation(corners(*a.triangles, X_WA, nearest.b1), corners(*b.triangles, X_WB, nearest.b2));
+    s.distance = std::max(s.distance, 0.0);
     return s;
   });
+}
+
+}  // namespace
+
+Separation mesh_separation(const Shape& a, const Isometry3d& X_WA, const Mesh& b, const Isometry3d& X_WB) {
+  if (const Mesh* mesh = std::get_if<Mesh>(&a)) return separation_of_meshes(*mesh, X_WA, b, X_WB);
+  return trees_of(b).balls->nearest(a, X_WA, *b.triangles, X_WB);
 }
 
 }  // namespace modsearch::detail

@@ -10,7 +10,9 @@ namespace modsearch::detail {
 [[nodiscard]] bool mesh_overlaps(const Shape& a, const Eigen::Isometry3d& X_WA, const Mesh& b,
                                  const Eigen::Isometry3d& X_WB);
 
-/// Separation of `a` and the mesh `b`, by FCL. Throws std::runtime_error("collision unknown: ...") if FCL fails.
+/// Separation of `a` and the mesh `b`: the least over their triangles. Apart, the distance; overlapping, minus the
+/// depth of the deepest triangle, which frees that triangle but not always the others. Throws
+/// std::runtime_error("collision unknown: ...") if FCL, which searches pairs of meshes, fails.
 [[nodiscard]] Separation mesh_separation(const Shape& a, const Eigen::Isometry3d& X_WA, const Mesh& b,
                                          const Eigen::Isometry3d& X_WB);
 

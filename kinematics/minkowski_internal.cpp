@@ -85,6 +85,16 @@ Vector3d climb_arc(const Difference& d, const Vector3d& g, Vector3d n) {
   return n;
 }
 
+/// Beside the axis of a disk a Newton step is too long by the square of (angle to the axis / tilt of the disks).
+constexpr int kHalvings = 20;
+
+/// Bit i: segment i points against n.
+unsigned signs(const Difference& d, const Vector3d& n) {
+  unsigned bits = 0;
+  for (int i = 0; i < d.n_segments; ++i) bits |= (n.dot(d.direction[i]) < 0.0 ? 1U : 0U) << i;
+  return bits;
+}
+
 /// Climbs phi on the whole sphere from `n`, all signs taken as they come.
 Vector3d climb_sphere(const Difference& d, Vector3d n) {
   double value = separation_along(d, n);
@@ -114,11 +124,12 @@ Vector3d climb_sphere(const Difference& d, Vector3d n) {
       dv = -(huu * gv - huv * gu) / determinant;
     }
     const double length = std::hypot(du, dv);
-    if (!(length > 0.0)) break;
+    if (!(gu * du + gv * dv > 1e-17 * d.scale())) break;  // nothing left to gain
     double scale = std::min(1.0, 0.3 / length);
     bool better = false;
-    for (int halving = 0; halving < 6 && !better; ++halving, scale *= 0.5) {
+    for (int halving = 0; halving < kHalvings && !better; ++halving, scale *= 0.5) {
       const Vector3d next = (n + scale * (du * u + dv * v)).normalized();
+      if (halving >= 4 && signs(d, next) != signs(d, n)) return n;  // ends on an arc
       const double next_value = separation_along(d, next);
       if (next_value > value) {
         n = next;
@@ -126,23 +137,22 @@ Vector3d climb_sphere(const Difference& d, Vector3d n) {
         better = true;
       }
     }
-    if (!better || scale * length < 1e-13) break;
+    if (!better) break;
   }
   return n;
 }
 
 /// Chooses the point of the face with normal `n` that is nearest to distance * n, fills the witness points and `upper`.
 ///
-/// The face is a sum of the segments at right angles to n and the disks facing along n, at most a flat patch: descent
-/// in one segment or disk at a time ends at once but where several lie flat on each other. Returns the length of what
-/// is left over [m], 0 if the normal is right.
-double place_witnesses(const Difference& d, DifferenceResult& result) {
+/// The face is a sum of the segments at right angles to n and the disks facing along n: a point, a stretch or a flat
+/// patch, in which the point is found by a descent in the plane. Returns the length of what is left over [m], 0 if the
+/// normal is right.
+double place_witnesses(const Difference& d, DifferenceResult& result, double flat_below = kFlat) {
   const Vector3d& n = result.normal;
-  Vector3d miss = d.c - result.distance * n;
   result.on_a.setZero();
   result.on_b.setZero();
+  Vector3d miss = d.c - result.distance * n;
   const auto put = [&](bool of_a, const Vector3d& move) {
-    // A - B holds B mirrored; B is symmetric, so its own point is the opposite one.
     if (of_a) {
       result.on_a += move;
     } else {
@@ -150,56 +160,69 @@ double place_witnesses(const Difference& d, DifferenceResult& result) {
     }
     miss += move;
   };
-  std::array<int, Difference::kMaxSegments> flat_segments{};
-  std::array<double, Difference::kMaxSegments> at{};
-  int n_flat_segments = 0;
+  Difference face;  // what is flat, in the coordinates (x, y, n), where z stays exactly zero
+  std::array<int, Difference::kMaxSegments> flat{};
+  int flat_disk = -1;
   for (int i = 0; i < d.n_segments; ++i) {
     const double along = n.dot(d.direction[i]);
-    if (std::abs(along) > kFlat) {
+    if (std::abs(along) > flat_below) {
       put(d.segment_of_a[i], (along < 0.0 ? d.half[i] : -d.half[i]) * d.direction[i]);
     } else if (d.half[i] > 0.0) {
-      flat_segments[n_flat_segments++] = i;
+      flat[face.n_segments] = i;
+      face.add_segment(d.direction[i], d.half[i], d.segment_of_a[i]);
     }
   }
-  std::array<int, Difference::kMaxDisks> flat_disks{};
-  std::array<Vector3d, Difference::kMaxDisks> offset;
-  int n_flat_disks = 0;
   for (int j = 0; j < d.n_disks; ++j) {
     const Vector3d across = n - n.dot(d.axis[j]) * d.axis[j];
     const double sine = across.norm();
-    if (sine > kFlat) {
+    if (sine > flat_below) {
       put(d.disk_of_a[j], (-d.radius[j] / sine) * across);
     } else if (d.radius[j] > 0.0) {
-      offset[n_flat_disks].setZero();
-      flat_disks[n_flat_disks++] = j;
+      flat_disk = j;
+      face.add_disk(Vector3d::UnitZ(), d.radius[j], d.disk_of_a[j]);
     }
   }
-  const int sweeps = n_flat_segments + n_flat_disks > 1 ? 400 : n_flat_segments + n_flat_disks;
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
-    double moved = 0.0;
-    for (int k = 0; k < n_flat_segments; ++k) {
-      const int i = flat_segments[k];
-      const double next = std::clamp(at[k] - miss.dot(d.direction[i]), -d.half[i], d.half[i]);
-      const double step = next - at[k];
-      at[k] = next;
-      if (step != 0.0) put(d.segment_of_a[i], step * d.direction[i]);
-      moved = std::max(moved, std::abs(step));
+  if (face.n_segments == 1 && face.n_disks == 0) {
+    const int i = flat[0];
+    put(d.segment_of_a[i], std::clamp(-miss.dot(d.direction[i]), -d.half[i], d.half[i]) * d.direction[i]);
+  } else if (face.n_segments == 0 && face.n_disks == 1) {
+    Vector3d move = n.dot(miss) * n - miss;
+    const double length = move.norm();
+    if (length > d.radius[flat_disk]) move *= d.radius[flat_disk] / length;
+    put(d.disk_of_a[flat_disk], move);
+  } else if (face.n_segments + face.n_disks > 1) {
+    const Vector3d x = any_perpendicular(n);
+    const Vector3d y = n.cross(x);
+    face.c = Vector3d(miss.dot(x), miss.dot(y), 0.0);
+    for (int k = 0; k < face.n_segments; ++k) {
+      face.direction[k] = Vector3d(face.direction[k].dot(x), face.direction[k].dot(y), 0.0);
     }
-    for (int k = 0; k < n_flat_disks; ++k) {
-      const int j = flat_disks[k];
-      Vector3d next = offset[k] - (miss - miss.dot(d.axis[j]) * d.axis[j]);
-      const double length = next.norm();
-      if (length > d.radius[j]) next *= d.radius[j] / length;
-      const Vector3d step = next - offset[k];
-      offset[k] = next;
-      put(d.disk_of_a[j], step);
-      moved = std::max(moved, step.norm());
-    }
-    if (moved <= 1e-16 * d.scale()) break;
+    Descent descent(face, face.c);
+    while (descent.step() == Descent::State::kGoing) continue;
+    Vector3d on_a = Vector3d::Zero();
+    Vector3d on_b = Vector3d::Zero();
+    add_witnesses(face, descent.simplex(), on_a, on_b);
+    result.on_a += on_a.x() * x + on_a.y() * y;
+    result.on_b += on_b.x() * x + on_b.y() * y;
+    miss = descent.nearest().x() * x + descent.nearest().y() * y;
   }
-  const double left = miss.norm();
   result.upper = result.distance > 0.0 ? (result.distance * n + miss).norm() : result.distance;
-  return left;
+  return miss.norm();
+}
+
+/// The same for a normal that no family takes exactly, which is so where bodies are tilted by less than a millionth:
+/// takes such tilts for flat if that brings the witnesses nearer to each other.
+double place_witnesses_somehow(const Difference& d, DifferenceResult& result) {
+  double least = place_witnesses(d, result);
+  for (const double flat_below : {1e-7, 1e-5, 1e-3}) {
+    if (least <= flat_below * 1e-2 * d.scale()) break;
+    DifferenceResult other = result;
+    const double miss = place_witnesses(d, other, flat_below);
+    if (miss >= least) continue;
+    least = miss;
+    result = other;
+  }
+  return least;
 }
 
 /// The direction of the family that the last simplex of the descent points at: the segments whose sign it mixes are at
@@ -243,66 +266,169 @@ void offer_corners(const Difference& d, Best& best) {
   }
 }
 
+/// Root of `f` between `low`, where it is positive, and `high`, where it is negative. False position, halved whenever
+/// the bracket shrinks too slowly: phi bends sharply beside the axis of a disk.
+template <class F>
+double falling_root(const F& f, double low, double f_low, double high, double f_high) {
+  for (int step = 0; step < 120 && high - low > 1e-15; ++step) {
+    const double width = high - low;
+    const double inside = 0.05 * width;
+    double middle = low + width * f_low / (f_low - f_high);
+    middle = step % 3 == 2 ? 0.5 * (low + high) : std::clamp(middle, low + inside, high - inside);
+    const double value = f(middle);
+    if (value == 0.0) return middle;
+    if (value > 0.0) {
+      low = middle;
+      f_low = value;
+    } else {
+      high = middle;
+      f_high = value;
+    }
+  }
+  return 0.5 * (low + high);
+}
+
+/// phi on one smooth piece of an arc, in the coordinates (x, y) of the plane of the arc: a linear part and disks seen
+/// obliquely, which are ellipses.
+struct Piece {
+  double wx = 0.0;
+  double wy = 0.0;
+  int n_disks = 0;
+  std::array<double, Difference::kMaxDisks> ax{};
+  std::array<double, Difference::kMaxDisks> ay{};
+  std::array<double, Difference::kMaxDisks> out_squared{};  ///< of the component of the axis out of the plane
+  std::array<double, Difference::kMaxDisks> radius{};
+
+  [[nodiscard]] double sine(int j, double x, double y) const {
+    const double across = ax[j] * y - ay[j] * x;
+    return std::sqrt(std::max(across * across + out_squared[j], 1e-30));
+  }
+  [[nodiscard]] double slope(double x, double y) const {
+    double value = wy * x - wx * y;
+    for (int j = 0; j < n_disks; ++j) {
+      value += radius[j] * (ax[j] * x + ay[j] * y) * (ay[j] * x - ax[j] * y) / sine(j, x, y);
+    }
+    return value;
+  }
+};
+
+/// The point of the half circle (cos, sin), -90 deg <= angle <= 90 deg, with the tangent of the half angle `t`.
+std::array<double, 2> on_half_circle(double t) {
+  const double scale = 1.0 / (1.0 + t * t);
+  return {(1.0 - t * t) * scale, 2.0 * t * scale};
+}
+
 /// Offers local maxima of phi among the unit vectors at right angles to segment `i`.
 ///
-/// The half circle towards c is cut where another segment changes sign; within a piece phi is smooth.
+/// The half circle towards c is cut where another segment changes sign and where a disk is seen most obliquely: within
+/// a piece phi is smooth and each disk shows one quadrant of its ellipse, so that few sign changes of the slope can
+/// occur.
 void offer_arc(const Difference& d, int i, Best& best) {
   const Vector3d& g = d.direction[i];
   Vector3d middle = d.c - d.c.dot(g) * g;
   const double length = middle.norm();
   middle = length > 1e-12 * d.scale() ? Vector3d(middle / length) : any_perpendicular(g);
   const Vector3d tangent = g.cross(middle);
-  // Cuts by the tangent-like coordinate of the half circle: t = sin / (1 + cos) rises from -1 to 1 along it.
-  std::array<double, 2 + Difference::kMaxSegments> cut;
+  best.offer(d, middle);  // what remains where everything else on the arc is equal
+  std::array<double, 2 + Difference::kMaxSegments + Difference::kMaxDisks> cut;
   cut.fill(1.0);
   cut[0] = -1.0;
   int n_cuts = 1;
+  const auto cut_at = [&](double x, double y) {
+    const double norm = std::hypot(x, y);
+    if (norm * norm < kParallel) return;
+    const double turned = x < 0.0 ? -1.0 : 1.0;
+    cut[n_cuts++] = turned * y / (norm + turned * x);
+  };
+  std::array<double, Difference::kMaxSegments> gx{};
+  std::array<double, Difference::kMaxSegments> gy{};
   for (int k = 0; k < d.n_segments; ++k) {
     if (k == i) continue;
-    const Vector3d across = g.cross(d.direction[k]);
-    const double sine = across.norm();
-    if (sine * sine < kParallel) continue;
-    const Vector3d n = towards(across / sine, middle);
-    cut[n_cuts++] = n.dot(tangent) / (1.0 + n.dot(middle));
+    gx[k] = d.direction[k].dot(middle);
+    gy[k] = d.direction[k].dot(tangent);
+    cut_at(-gy[k], gx[k]);
+  }
+  Piece piece;
+  piece.n_disks = d.n_disks;
+  for (int j = 0; j < d.n_disks; ++j) {
+    piece.ax[j] = d.axis[j].dot(middle);
+    piece.ay[j] = d.axis[j].dot(tangent);
+    piece.out_squared[j] = g.dot(d.axis[j]) * g.dot(d.axis[j]);
+    piece.radius[j] = d.radius[j];
+    cut_at(piece.ax[j], piece.ay[j]);
   }
   std::sort(cut.begin(), cut.end());
-  const auto direction = [&](double t) {
-    return Vector3d(((1.0 - t * t) * middle + 2.0 * t * tangent) / (1.0 + t * t));
-  };
-  constexpr int kSamples = 6;  // per piece, where phi has at most two maxima
-  for (int piece = 0; piece < n_cuts; ++piece) {
-    const double low = cut[piece];
-    const double width = cut[piece + 1] - low;
-    if (width < 1e-9) continue;
-    std::array<double, kSamples> value{};
-    for (int k = 0; k < kSamples; ++k) value[k] = separation_along(d, direction(low + width * k / (kSamples - 1)));
-    for (int k = 0; k < kSamples; ++k) {
-      if (k > 0 && value[k - 1] > value[k]) continue;
-      if (k + 1 < kSamples && value[k + 1] > value[k]) continue;
-      // phi cannot rise faster than its farthest point is away: most samples are hopeless at once.
-      const double reach = d.scale() * 2.0 * width / (kSamples - 1);
-      if (value[k] + reach < best.value) continue;
-      best.offer(d, climb_arc(d, g, direction(low + width * k / (kSamples - 1))));
+  for (int m = 0; m < n_cuts; ++m) {
+    const double width = cut[m + 1] - cut[m];
+    if (width < 1e-12) continue;
+    const auto [x, y] = on_half_circle(0.5 * (cut[m] + cut[m + 1]));
+    piece.wx = d.c.dot(middle);
+    piece.wy = d.c.dot(tangent);
+    for (int k = 0; k < d.n_segments; ++k) {
+      const double half = gx[k] * x + gy[k] * y < 0.0 ? -d.half[k] : d.half[k];
+      piece.wx -= half * gx[k];
+      piece.wy -= half * gy[k];
+    }
+    const double low = cut[m] + 1e-10 * width;
+    const double high = cut[m + 1] - 1e-10 * width;
+    const auto first = on_half_circle(low);
+    const auto last = on_half_circle(high);
+    // No value in the piece is above its linear part less the smallest ellipse support, which lies at an end.
+    double bound = std::hypot(piece.wx, piece.wy);
+    if (piece.wy * first[0] < piece.wx * first[1] || piece.wy * last[0] > piece.wx * last[1]) {
+      bound = std::max(piece.wx * first[0] + piece.wy * first[1], piece.wx * last[0] + piece.wy * last[1]);
+    }
+    for (int j = 0; j < d.n_disks; ++j) {
+      bound -= d.radius[j] * std::min(piece.sine(j, first[0], first[1]), piece.sine(j, last[0], last[1]));
+    }
+    if (bound <= best.value) continue;
+    constexpr int kParts = 4;
+    double before = low;
+    double slope_before = piece.slope(first[0], first[1]);
+    for (int part = 1; part <= kParts; ++part) {
+      const double after = part == kParts ? high : low + (high - low) * part / kParts;
+      const auto here = on_half_circle(after);
+      const double slope_after = piece.slope(here[0], here[1]);
+      if (slope_before >= 0.0 && slope_after <= 0.0) {
+        const auto slope_at = [&](double s) {
+          const auto at = on_half_circle(s);
+          return piece.slope(at[0], at[1]);
+        };
+        const double t = slope_before == 0.0  ? before
+                         : slope_after == 0.0 ? after
+                                              : falling_root(slope_at, before, slope_before, after, slope_after);
+        const auto at = on_half_circle(t);
+        best.offer(d, at[0] * middle + at[1] * tangent);
+      }
+      before = after;
+      slope_before = slope_after;
     }
   }
 }
 
-/// Offers maxima where the rims of two disks meet, from evenly spread starting directions.
+/// Offers maxima where the rims of two disks meet, from evenly spread starting directions and, as phi bends sharply
+/// beside the axes, from between them.
 void offer_rims(const Difference& d, const Vector3d& guess, Best& best) {
-  if (guess.squaredNorm() > 0.0) best.offer(d, climb_sphere(d, towards(guess.normalized(), d.c)));
-  constexpr int kStarts = 48;
-  constexpr int kClimbs = 4;
-  std::array<std::pair<double, int>, kStarts> start;
-  const auto spread = [](int k) {  // a spiral of golden angles over the half sphere
+  best.offer(d, climb_sphere(d, best.normal));
+  best.offer(d, climb_sphere(d, towards(guess, d.c)));
+  constexpr int kStarts = 32;
+  constexpr int kClimbs = 3;
+  std::array<std::pair<double, Vector3d>, kStarts> start;
+  for (int k = 0; k < kStarts; ++k) {  // a spiral of golden angles over the half sphere
     const double z = (k + 0.5) / kStarts;
     const double rho = std::sqrt(1.0 - z * z);
     const double angle = 2.399963229728653 * k;
-    return Vector3d(rho * std::cos(angle), rho * std::sin(angle), z);
-  };
-  for (int k = 0; k < kStarts; ++k) start[k] = {-separation_along(d, towards(spread(k), d.c)), k};
-  std::partial_sort(start.begin(), start.begin() + kClimbs, start.end());
-  for (int k = 0; k < kClimbs; ++k) best.offer(d, climb_sphere(d, towards(spread(start[k].second), d.c)));
-  best.offer(d, climb_sphere(d, best.normal));
+    const Vector3d n = towards(Vector3d(rho * std::cos(angle), rho * std::sin(angle), z), d.c);
+    start[k] = {separation_along(d, n), n};
+  }
+  std::partial_sort(start.begin(), start.begin() + kClimbs, start.end(),
+                    [](const auto& one, const auto& other) { return one.first > other.first; });
+  for (int k = 0; k < kClimbs; ++k) best.offer(d, climb_sphere(d, start[k].second));
+  if (d.axis[0].cross(d.axis[1]).norm() > 0.2) return;
+  const Vector3d other = towards(d.axis[1], d.axis[0]);
+  for (const double share : {0.1, 0.5, 0.9}) {
+    best.offer(d, climb_sphere(d, towards((share * d.axis[0] + (1.0 - share) * other).normalized(), d.c)));
+  }
 }
 
 DifferenceResult overlapping(const Difference& d, const Vector3d& guess) {
@@ -315,7 +441,7 @@ DifferenceResult overlapping(const Difference& d, const Vector3d& guess) {
   DifferenceResult result;
   result.distance = best.value;
   result.normal = best.normal;
-  place_witnesses(d, result);
+  place_witnesses_somehow(d, result);
   result.upper = result.distance;
   return result;
 }
@@ -334,6 +460,11 @@ void Difference::add_disk(const Vector3d& unit_normal, double disk_radius, bool 
   disk_of_a[n_disks++] = of_a;
 }
 
+void Difference::add_triangle(const std::array<Vector3d, 3>& triangle, bool of_a) {
+  corners[n_triangles] = triangle;
+  triangle_of_a[n_triangles++] = of_a;
+}
+
 double Difference::scale() const {
   double sum = c.norm();
   for (int i = 0; i < n_segments; ++i) sum += half[i];
@@ -345,6 +476,11 @@ double separation_along(const Difference& d, const Vector3d& n) {
   double value = n.dot(d.c);
   for (int i = 0; i < d.n_segments; ++i) value -= d.half[i] * std::abs(n.dot(d.direction[i]));
   for (int j = 0; j < d.n_disks; ++j) value -= d.radius[j] * n.cross(d.axis[j]).norm();
+  for (int t = 0; t < d.n_triangles; ++t) {
+    const auto& [p, q, r] = d.corners[t];
+    const double sign = d.triangle_of_a[t] ? 1.0 : -1.0;
+    value += std::min({sign * n.dot(p), sign * n.dot(q), sign * n.dot(r)});
+  }
   return value;
 }
 
@@ -352,12 +488,10 @@ DifferenceResult signed_difference(const Difference& d, const Vector3d& guess) {
   const double scale = d.scale();
   Descent descent(d, guess);
   Best best;
-  double best_upper = std::numeric_limits<double>::infinity();
   double try_below = 0.05;
   while (true) {
     const Descent::State state = descent.step();
     if (state == Descent::State::kOverlap) break;
-    best_upper = std::min(best_upper, descent.upper());
     const bool last = state == Descent::State::kStalled;
     const double gap = descent.upper() - descent.lower();
     if (descent.lower() > 0.0 && (last || gap <= try_below * descent.upper())) {
@@ -372,14 +506,23 @@ DifferenceResult signed_difference(const Difference& d, const Vector3d& guess) {
     }
     if (last) break;
   }
-  // Touching to rounding, overlapping, or a normal that no family took: search them all, keep what was found.
+  // Touching to rounding, overlapping, or a normal that no family took: search them all, keep the best.
   DifferenceResult result = overlapping(d, descent.normal());
   if (best.value > result.distance) {
     result.normal = best.normal;
     result.distance = best.value;
-    place_witnesses(d, result);
+    place_witnesses_somehow(d, result);
   }
-  if (result.distance > 0.0) result.upper = std::min(result.upper, best_upper);
+  if (result.distance <= 0.0) return result;
+  result.upper = std::min(result.upper, descent.upper());
+  const double miss = (d.c + result.on_a - result.on_b - result.distance * result.normal).norm();
+  if ((descent.nearest() - result.distance * descent.normal()).norm() < miss &&
+      separation_along(d, descent.normal()) > result.distance - 1e-9 * scale) {
+    result.normal = descent.normal();
+    result.on_a.setZero();
+    result.on_b.setZero();
+    add_witnesses(d, descent.simplex(), result.on_a, result.on_b);
+  }
   return result;
 }
 

@@ -18,6 +18,7 @@ namespace modsearch::detail {
 struct Difference {
   static constexpr int kMaxSegments = 6;
   static constexpr int kMaxDisks = 2;
+  static constexpr int kMaxTriangles = 2;
 
   Eigen::Vector3d c = Eigen::Vector3d::Zero();          ///< centre of A minus centre of B [m]
   int n_segments = 0;                                   ///< used entries of the next three
@@ -29,8 +30,14 @@ struct Difference {
   std::array<double, kMaxDisks> radius;                 ///< [m]
   std::array<bool, kMaxDisks> disk_of_a;                ///< belongs to A, not to B
 
+  /// Triangles, corners relative to the centre of their body. No symmetry: only for `Descent` and `separation_along`.
+  int n_triangles = 0;
+  std::array<std::array<Eigen::Vector3d, 3>, kMaxTriangles> corners;
+  std::array<bool, kMaxTriangles> triangle_of_a;
+
   void add_segment(const Eigen::Vector3d& unit, double half_length, bool of_a);
   void add_disk(const Eigen::Vector3d& unit_normal, double disk_radius, bool of_a);
+  void add_triangle(const std::array<Eigen::Vector3d, 3>& triangle, bool of_a);
   /// Upper bound of the size of everything in play [m]; tolerances are relative to it.
   [[nodiscard]] double scale() const;
 };
