@@ -30,6 +30,7 @@ enum class StopReason {
   kUnreachable,    ///< proved: no design of the space is achieved
   kExhausted,      ///< the solver has tried what it would try
 };
+/// "evaluations", "seconds", "target score", "interrupted", "optimal", "unreachable", "exhausted".
 [[nodiscard]] std::string_view name(StopReason reason);
 
 /// What has been spent so far.
@@ -60,16 +61,20 @@ struct TracePoint {
 /// For one thread.
 class Meter {
  public:
-  /// Called after every evaluation, and now and then by inner loops (`evaluation` null), with the best so far.
+  /// Called after every evaluation and, in long inner loops, every 4096 program evaluations: for progress bars.
   using Observer = std::function<void(const Meter&)>;
 
+  /// The clock starts here. `stop`: where somebody may ask to stop (Ctrl-C).
+  /// Throws std::invalid_argument for a budget that is negative or NaN.
   explicit Meter(Budget budget = {}, Observer observer = {}, std::stop_token stop = {});
 
   /// The score of `design`, or nothing when it is time to stop (then nothing was evaluated). A score of NaN counts as
   /// -inf, not achieved, Failure::kNotANumber. Exceptions of the problem pass through, counted.
+  /// A screening is counted but never becomes the best: it promises a score and does not show it.
   [[nodiscard]] std::optional<Evaluation> evaluate(const DesignProblem& problem, const Design& design,
                                                    Fidelity fidelity = Fidelity::kFull);
 
+  /// Counts inner work that was not part of an evaluation.
   void count(const Work& work) { progress_.work += work; }
   /// Counts evaluations of a smooth program.
   void count_program(std::int64_t evaluations);
@@ -78,7 +83,7 @@ class Meter {
   [[nodiscard]] std::optional<StopReason> stopped() const;
   [[nodiscard]] Progress progress() const;
   [[nodiscard]] const Budget& budget() const { return budget_; }
-  /// The best design so far (standing, then score); empty before the first evaluation.
+  /// The best design so far in full fidelity (standing, then score; the first of equals); empty before the first.
   [[nodiscard]] const std::optional<Incumbent>& best() const { return best_; }
   /// Every improvement of the best, in order.
   [[nodiscard]] const std::vector<TracePoint>& trace() const { return trace_; }

@@ -12,39 +12,41 @@ struct Bound {
   std::string reason;
 };
 
+/// Why a search ended, and what there is to say about it.
+struct SearchEnd {
+  StopReason stop = StopReason::kExhausted;
+  std::string reason;  ///< in words, where there is something to say: what is proved, what was not found
+  std::optional<Bound> bound;
+};
+
 /// What a solver gives back.
 struct Solution {
-  Design design;
-  Evaluation evaluation;
+  Design design;          ///< the best in full fidelity (standing, then score); empty if nothing was evaluated
+  Evaluation evaluation;  ///< of `design`; score -inf if nothing was evaluated
   Progress spent;
   StopReason stop = StopReason::kExhausted;
-  std::string reason;         ///< in words, where there is something to say: what is proved, what was not found
+  std::string reason;  ///< see SearchEnd
   std::optional<Bound> bound;
 };
 
 /// Finds good designs for a problem. Stateless: options are given at construction, randomness comes from `rng`, what is
 /// spent goes through the meter.
+///
+/// To write one, derive and implement `do_solve`: evaluate designs through the meter until it returns nothing, or until
+/// there is nothing left to try, and say which it was. The meter remembers the best.
 class Solver {
  public:
   virtual ~Solver() = default;
+  /// As on the command line: "random", "per-sequence", ..
   [[nodiscard]] virtual std::string name() const = 0;
   /// Searches until the meter says stop or the solver has nothing left to try. Equal arguments give equal solutions
-  /// (unless a budget of seconds cuts in). The best design evaluated through the meter is the answer; without any, the
-  /// empty design.
+  /// (unless a budget of seconds cuts in). The best design evaluated through the meter is the answer. Where the meter
+  /// said stop, its reason is the solution's, except that a proof (optimal, unreachable) stands.
+  /// Throws what the problem throws.
   [[nodiscard]] Solution solve(const DesignProblem& problem, Meter& meter, Rng rng) const;
 
  private:
-  /// Why the search ended, and what to say about it.
-  struct End {
-    StopReason stop = StopReason::kExhausted;
-    std::string reason;
-    std::optional<Bound> bound;
-  };
-  friend class Search;
-  [[nodiscard]] virtual End do_solve(const DesignProblem& problem, Meter& meter, Rng rng) const = 0;
-
- protected:
-  using SearchEnd = End;
+  [[nodiscard]] virtual SearchEnd do_solve(const DesignProblem& problem, Meter& meter, Rng rng) const = 0;
 };
 
 }  // namespace modsearch
