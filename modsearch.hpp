@@ -32,6 +32,7 @@
 #include <modsearch/solvers/inner_solver.hpp>
 #include <modsearch/solvers/meter.hpp>
 #include <modsearch/solvers/solver.hpp>
+#include <modsearch/solvers/verification.hpp>
 
 #include <modsearch/baselines/auto_solver.hpp>
 #include <modsearch/baselines/per_sequence.hpp>

@@ -10,8 +10,26 @@ namespace {
 
 // Continuous joints get two turns either way: more than any optimum needs, and finite for methods that want boxes.
 constexpr double kContinuousLimit = 2.0 * std::numbers::pi;
-// Pairs whose bounding balls are farther apart than this count by these balls: their row is far from active.
+// Pairs whose bounding balls are farther apart than this [m] count by these balls: their row is far from active.
 constexpr double kFar = 0.25;
+
+// A pair of shapes as its clearance row sees it.
+struct RowSeparation {
+  Separation separation;
+  bool by_balls = false;  // distance of fixed balls about the shapes' origins, a lower bound of the distance
+};
+
+RowSeparation row_separation(const Shape& a, double ball_a, const Eigen::Isometry3d& X_WA, const Shape& b, double ball_b,
+                             const Eigen::Isometry3d& X_WB) {
+  const Eigen::Vector3d between = X_WA.translation() - X_WB.translation();
+  const double gap = between.norm() - ball_a - ball_b;
+  if (gap < kFar) return {separation(a, X_WA, b, X_WB), false};
+  return {{.distance = gap,
+           .p_WA = X_WA.translation(),
+           .p_WB = X_WB.translation(),
+           .normal_W = between.normalized()},
+          true};
+}
 
 // How rows of one tolerance (or of the tolerances of one goal) are formed.
 enum class Form { kPositionBall, kAxisBall, kRotationBall, kInterval };
@@ -94,6 +112,7 @@ TaskProgram::TaskProgram(const RobotProblem& problem, std::span<const int> types
       chain_{problem.chain(types)},
       arm_{chain_, parameter_box(problem.library(), types).lower} {
   const ParameterBox box = parameter_box(problem.library(), types);
+  for (const ArmGeometry& geometry : chain_.at(box.upper).geometries()) greatest_radius_.push_back(geometry.bounding_radius);
   const auto n_goals = static_cast<Eigen::Index>(problem.task().goals().size());
   n_x_ = box.lower.size();
   n_q_ = chain_.n_joints();
@@ -244,12 +263,10 @@ void TaskProgram::goal_values(int goal, Values& values) const {
   }
 }
 
-void TaskProgram::set_clearance_row(Eigen::Index row, int goal, const Separation& separation, int geometry, double sign,
-                                    const Eigen::Vector3d& p_W, Values& values) const {
-  // The distance grows with the arm's witness point moving along the normal and shrinks with its shape growing towards
-  // the other one.
+void TaskProgram::add_clearance_gradient(Eigen::Index row, int goal, int geometry, const Eigen::Vector3d& p_W,
+                                         const Eigen::Vector3d& n_W, bool shape_counts, Values& values) const {
+  // The distance grows with the witness point moving along the normal and shrinks with the shape growing against it.
   const ArmGeometry& shape = arm_.geometries()[static_cast<std::size_t>(geometry)];
-  const Eigen::Vector3d n_W = sign * separation.normal_W;
   const Eigen::Isometry3d& X_WF = posture_.frames[static_cast<std::size_t>(shape.frame)];
   const Body& body = chain_.bodies()[static_cast<std::size_t>(shape.body)];
   const BodyGeometry* affine = body.geometries.data();
@@ -261,6 +278,7 @@ void TaskProgram::set_clearance_row(Eigen::Index row, int goal, const Separation
   for (const AffineVector::Term& term : affine->X_FG.translation.terms) {
     gradient[term.parameter] += n_W.dot(X_WF.linear() * term.direction);
   }
+  if (!shape_counts) return;
   const Eigen::Vector3d u_G = (X_WF.linear() * shape.X_FG.linear()).transpose() * -n_W;
   const Eigen::Vector3d growth = support_growth(affine->shape, u_G);
   for (std::size_t s = 0; s < affine->shape.size.size(); ++s) {
@@ -275,27 +293,18 @@ void TaskProgram::clearance_values(int goal, Values& values) const {
   const auto pose = [&](const ArmGeometry& g) {
     return Eigen::Isometry3d{posture_.frames[static_cast<std::size_t>(g.frame)] * g.X_FG};
   };
-  // The separation, or that of the bounding balls where these are far apart.
-  const auto separated = [](const Shape& a, double radius_a, const Eigen::Isometry3d& X_WA, const Shape& b,
-                            double radius_b, const Eigen::Isometry3d& X_WB) {
-    const Eigen::Vector3d between = X_WA.translation() - X_WB.translation();
-    const double gap = between.norm() - radius_a - radius_b;
-    if (gap < kFar) return separation(a, X_WA, b, X_WB);
-    const Eigen::Vector3d normal = between.normalized();
-    return Separation{.distance = gap, .p_WA = X_WA.translation(), .p_WB = X_WB.translation(), .normal_W = normal};
-  };
-
   Eigen::Index row = first_clearance_row_ + goal * clearance_rows_per_goal_;
+  const auto ball = [&](int g) { return greatest_radius_[static_cast<std::size_t>(g)]; };
   if (obstacle_rows_) {
     for (int g = 0; g < static_cast<int>(geometries.size()); ++g) {
       const ArmGeometry& geometry = geometries[static_cast<std::size_t>(g)];
       const Eigen::Isometry3d X_WG = pose(geometry);
       for (const Obstacle& obstacle : problem_.scene().obstacles()) {
         for (const PlacedShape& placed : obstacle.shapes) {
-          const Separation s = separated(geometry.shape, geometry.bounding_radius, X_WG, placed.shape,
-                                         bounding_radius(placed.shape), placed.X_FG);
+          const auto [s, by_balls] = row_separation(geometry.shape, ball(g), X_WG, placed.shape,
+                                                    bounding_radius(placed.shape), placed.X_FG);
           values.rows[row] = s.distance;
-          set_clearance_row(row, goal, s, g, 1.0, s.p_WA, values);
+          add_clearance_gradient(row, goal, g, s.p_WA, s.normal_W, !by_balls, values);
           ++row;
         }
       }
@@ -304,10 +313,10 @@ void TaskProgram::clearance_values(int goal, Values& values) const {
   for (const auto& [g, h] : self_geometries_) {
     const ArmGeometry& a = geometries[static_cast<std::size_t>(g)];
     const ArmGeometry& b = geometries[static_cast<std::size_t>(h)];
-    const Separation s = separated(a.shape, a.bounding_radius, pose(a), b.shape, b.bounding_radius, pose(b));
+    const auto [s, by_balls] = row_separation(a.shape, ball(g), pose(a), b.shape, ball(h), pose(b));
     values.rows[row] = s.distance;
-    set_clearance_row(row, goal, s, g, 1.0, s.p_WA, values);
-    set_clearance_row(row, goal, s, h, -1.0, s.p_WB, values);
+    add_clearance_gradient(row, goal, g, s.p_WA, s.normal_W, !by_balls, values);
+    add_clearance_gradient(row, goal, h, s.p_WB, -s.normal_W, !by_balls, values);
     ++row;
   }
 }

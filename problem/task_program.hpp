@@ -39,8 +39,10 @@ class TaskProgram final : public SmoothProgram {
   [[nodiscard]] Eigen::Index q_at(int goal) const { return n_x_ + static_cast<Eigen::Index>(goal) * n_q_; }
   void goal_values(int goal, Values& values) const;
   void clearance_values(int goal, Values& values) const;
-  void set_clearance_row(Eigen::Index row, int goal, const Separation& separation, int geometry, double sign,
-                         const Eigen::Vector3d& p_W, Values& values) const;
+  /// Adds n_W . d p_W / d v to a clearance row, where p_W is a point of `geometry` at `goal`; `shape_counts`: the point
+  /// is a witness on the surface, which moves as the shape grows.
+  void add_clearance_gradient(Eigen::Index row, int goal, int geometry, const Eigen::Vector3d& p_W,
+                              const Eigen::Vector3d& n_W, bool shape_counts, Values& values) const;
 
   const RobotProblem& problem_;
   std::vector<int> types_;
@@ -54,6 +56,7 @@ class TaskProgram final : public SmoothProgram {
   bool obstacle_rows_ = false;
   bool self_rows_ = false;
   std::vector<std::pair<int, int>> self_geometries_;  // pairs of geometries of non-neighbouring bodies
+  std::vector<double> greatest_radius_;  // of each geometry over the box of parameters
   std::vector<TaskRow> task_rows_;
   Eigen::Index first_clearance_row_ = 0;
   Eigen::Index clearance_rows_per_goal_ = 0;

@@ -1,0 +1,41 @@
+#include "app/arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <limits>
+#include <stdexcept>
+
+namespace modsearch::app {
+namespace {
+
+std::optional<std::uint64_t> whole_number(std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+Instance parse_instance(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  const auto seed = whole_number(text.substr(0, colon));
+  const auto index = colon == std::string_view::npos ? std::nullopt : whole_number(text.substr(colon + 1));
+  if (!seed || !index) {
+    throw std::invalid_argument(
+        fmt::format("--instance {}: not of the form SEED:INDEX with whole numbers >= 0, such as 0:17", text));
+  }
+  return {*seed, *index};
+}
+
+Budget budget_of(const SolveArguments& arguments) {
+  constexpr double kPatience = 30.0;
+  Budget budget{.evaluations = std::numeric_limits<std::int64_t>::max()};
+  if (!arguments.evaluations && !arguments.seconds) budget.seconds = kPatience;
+  if (arguments.evaluations) budget.evaluations = *arguments.evaluations;
+  if (arguments.seconds) budget.seconds = *arguments.seconds;
+  return budget;
+}
+
+}  // namespace modsearch::app

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <modsearch/problem/files.hpp>
+#include <modsearch/solvers/meter.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace modsearch::app {
+
+/// What every command understands.
+struct CommonArguments {
+  bool json = false;
+  bool quiet = false;
+  std::string command;  ///< the command line as it was typed, for records
+};
+
+struct SolveArguments {
+  std::string problem;
+  std::string solver = "auto";
+  std::optional<Instance> instance;
+  std::optional<std::int64_t> evaluations;
+  std::optional<double> seconds;
+  std::uint64_t seed = 0;
+  bool at_path_level = false;
+  std::optional<std::filesystem::path> out;
+};
+
+struct EvaluateArguments {
+  std::string problem;
+  std::string design;
+  std::optional<Instance> instance;
+};
+
+struct VerifyArguments {
+  std::string solution;
+  std::optional<std::string> problem;
+};
+
+struct RenderArguments {
+  std::string solution;
+  std::optional<std::string> problem;
+  std::optional<std::filesystem::path> out;
+};
+
+struct ListArguments {
+  std::string what;  ///< "solvers", "agents" or "problems"
+};
+
+/// "SEED:INDEX". Throws std::invalid_argument for anything else.
+[[nodiscard]] Instance parse_instance(std::string_view text);
+
+/// The budget of a run: as given, else until the solver can prove or improve nothing more, at the latest after 30 s.
+[[nodiscard]] Budget budget_of(const SolveArguments& arguments);
+
+}  // namespace modsearch::app

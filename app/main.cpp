@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <string>
+
+#include "app/commands.hpp"
+#include "app/interrupt.hpp"
+
+namespace {
+
+using namespace modsearch;
+using namespace modsearch::app;
+
+// The command line as a shell would take it, for records.
+std::string typed(int argc, char** argv) {
+  std::string text = "modsearch";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos;
+    std::string quoted;
+    for (const char c : word) quoted += c == '\'' ? std::string{"'\\''"} : std::string{c};
+    text += ' ' + (plain ? word : '\'' + quoted + '\'');
+  }
+  return text;
+}
+
+struct Arguments {
+  CommonArguments common;
+  SolveArguments solve;
+  EvaluateArguments evaluate;
+  VerifyArguments verify;
+  RenderArguments render;
+  ListArguments list;
+};
+
+void add_common(CLI::App& command, CommonArguments& common, const std::string& example) {
+  command.add_flag("--json", common.json, "one JSON object on stdout");
+  command.add_flag("--quiet", common.quiet, "no progress on stderr");
+  command.footer("Example:\n  " + example);
+}
+
+void add_instance(CLI::App& command, std::optional<Instance>& instance) {
+  command.add_option_function<std::string>(
+      "--instance", [&](const std::string& text) { instance = parse_instance(text); },
+      "SEED:INDEX of a sampled problem (default 0:0)");
+}
+
+void describe(CLI::App& app, Arguments& a) {
+  app.require_subcommand(1);
+  app.set_version_flag("--version", MODSEARCH_VERSION);
+  app.footer("Exit status: 0 success, 1 a negative result, 2 bad input, 3 internal failure, 130 interrupted.");
+
+  CLI::App& solve = *app.add_subcommand("solve", "solve one instance of a problem");
+  solve.add_option("PROBLEM", a.solve.problem, "problem file, or the ID of a built-in one")->required();
+  solve.add_option("--solver", a.solve.solver, "NAME[:key=value,...], see `modsearch list solvers`")
+      ->capture_default_str();
+  add_instance(solve, a.solve.instance);
+  solve.add_option("--evaluations", a.solve.evaluations, "at most this many evaluations of the score")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
+  solve.add_option("--seconds", a.solve.seconds, "at most this long [s]; 30 without --evaluations")
+      ->check(CLI::Range(0.0, 1e9));
+  solve.add_option("--seed", a.solve.seed, "of the solver's random numbers")->capture_default_str();
+  solve.add_option_function<std::string>(
+           "--fidelity", [&](const std::string&) { a.solve.at_path_level = true; },
+           "path: ask for a collision-free path, whatever the problem's own level")
+      ->check(CLI::IsMember({"path"}));
+  solve.add_option("--out", a.solve.out, "folder for solution.json, trace.csv and view.html");
+  add_common(solve, a.common, "modsearch solve seed/fixed --solver per-sequence:inner=ipopt --out out/");
+
+  CLI::App& evaluate = *app.add_subcommand("evaluate", "score a given design, term by term");
+  evaluate.add_option("PROBLEM", a.evaluate.problem, "problem file or ID")->required();
+  evaluate.add_option("DESIGN", a.evaluate.design, "solution file, or a JSON array of placements")->required();
+  add_instance(evaluate, a.evaluate.instance);
+  add_common(evaluate, a.common, "modsearch evaluate seed/fixed design.json");
+
+  CLI::App& verify = *app.add_subcommand("verify", "re-evaluate a solution from scratch, with its path");
+  verify.add_option("SOLUTION", a.verify.solution, "solution file")->required();
+  verify.add_option("--problem", a.verify.problem, "problem file or ID instead of the one named in the file");
+  add_common(verify, a.common, "modsearch verify out/solution.json");
+
+  CLI::App& render = *app.add_subcommand("render", "make the 3-D page of a solution");
+  render.add_option("SOLUTION", a.render.solution, "solution file")->required();
+  render.add_option("--problem", a.render.problem, "problem file or ID instead of the one named in the file");
+  render.add_option("--out", a.render.out, "folder for view.html; without it the page goes to stdout");
+  add_common(render, a.common, "modsearch render out/solution.json --out out/");
+
+  CLI::App& list = *app.add_subcommand("list", "what there is, with options and defaults");
+  list.add_option("WHAT", a.list.what, "solvers, agents or problems")
+      ->required()
+      ->check(CLI::IsMember({"solvers", "agents", "problems"}));
+  add_common(list, a.common, "modsearch list solvers");
+}
+
+Status run(const CLI::App& app, const Arguments& a, const std::stop_token& stop) {
+  if (app.got_subcommand("solve")) return solve(a.solve, a.common, stop);
+  if (app.got_subcommand("evaluate")) return evaluate(a.evaluate, a.common);
+  if (app.got_subcommand("verify")) return verify_solution(a.verify, a.common);
+  if (app.got_subcommand("render")) return render(a.render, a.common);
+  return list(a.list, a.common);
+}
+
+int complain(Status status, const std::string& what) {
+  fmt::print(stderr, "modsearch: {}\n", what);
+  return static_cast<int>(status);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::stop_token stop = stop_on_interrupt();
+  CLI::App app{"Modular robot design as a search problem."};
+  app.name("modsearch");
+  Arguments arguments;
+  arguments.common.command = typed(argc, argv);
+  describe(app, arguments);
+  try {
+    app.parse(argc, argv);
+    return static_cast<int>(run(app, arguments, stop));
+  } catch (const CLI::CallForHelp& e) {
+    return app.exit(e);
+  } catch (const CLI::CallForAllHelp& e) {
+    return app.exit(e);
+  } catch (const CLI::CallForVersion& e) {
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    return complain(Status::kBadInput, e.what());
+  } catch (const FileError& e) {
+    return complain(Status::kBadInput, e.what());
+  } catch (const std::invalid_argument& e) {
+    return complain(Status::kBadInput, e.what());
+  } catch (const std::exception& e) {
+    return complain(Status::kFailure, fmt::format("internal failure: {}", e.what()));
+  }
+}

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <modsearch/problem/files.hpp>
+#include <modsearch/solvers/meter.hpp>
+#include <modsearch/study/page.hpp>
+#include <optional>
+#include <vector>
+
+namespace modsearch::app {
+
+/// What the page shows beside the solution itself.
+struct PageContext {
+  std::optional<Path> path;  ///< the motion to animate; without it the first goal's posture stands still
+  std::optional<Sampling> sampling;
+  std::vector<TracePoint> trace;
+  std::string command;
+  std::string reason;  ///< why it is not achieved or not verified
+};
+
+/// The 3-D page of a solution of `problem`.
+[[nodiscard]] Page page_of_solution(const RobotProblem& problem, const SolutionRecord& record,
+                                    const PageContext& context);
+
+}  // namespace modsearch::app

@@ -1,0 +1,106 @@
+#include "app/report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace modsearch::app {
+namespace {
+
+nlohmann::ordered_json finite_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+double mass_of(const RobotProblem& problem, const Design& design) {
+  return problem.chain(design.types()).mass(design.parameters());
+}
+
+std::string standing(const Attempt& attempt) {
+  if (attempt.achieved) return "achieved";
+  return fmt::format("{}, not achieved: {}", attempt.reached ? "reached" : "not reached", name(attempt.why));
+}
+
+std::string metres(double value) { return fmt::format("{:.4g} mm", 1000.0 * value); }
+
+}  // namespace
+
+nlohmann::ordered_json evaluation_json(const RobotProblem& problem, const Design& design,
+                                       const Evaluation& evaluation) {
+  const Attempt& attempt = evaluation.attempt;
+  nlohmann::ordered_json json;
+  json["score"] = finite_or_null(evaluation.score);
+  json["terms"] = nlohmann::ordered_json::array();
+  for (const Term& term : evaluation.terms.items()) {
+    json["terms"].push_back({{"name", name(term.id)}, {"value", term.value}});
+  }
+  json["modules"] = design.modules.size() + 1;
+  json["mass_kg"] = mass_of(problem, design);
+  json["reached"] = attempt.reached;
+  json["achieved"] = attempt.achieved;
+  json["why"] = name(attempt.why);
+  json["goalError_m"] = finite_or_null(attempt.goal_error);
+  json["clearance_m"] = finite_or_null(attempt.clearance);
+  json["design"] = nlohmann::ordered_json::parse(design_to_json(problem.library(), design));
+  return json;
+}
+
+std::string evaluation_text(const RobotProblem& problem, const Design& design, const Evaluation& evaluation) {
+  const Attempt& attempt = evaluation.attempt;
+  std::string text;
+  text += fmt::format("design       {}\n", to_string(problem.library(), design));
+  text += fmt::format("score        {:.6f}   {}\n", evaluation.score, standing(attempt));
+  for (const Term& term : evaluation.terms.items()) {
+    text += fmt::format("  {:<11}{:+.6f}\n", name(term.id), term.value);
+  }
+  text += fmt::format("modules      {} (with the base), {:.4f} kg\n", design.modules.size() + 1,
+                      mass_of(problem, design));
+  text += fmt::format("goal error   {}\n", metres(attempt.goal_error));
+  if (std::isfinite(attempt.clearance)) text += fmt::format("clearance    {}\n", metres(attempt.clearance));
+  return text;
+}
+
+nlohmann::ordered_json verification_json(const Verification& verification) {
+  nlohmann::ordered_json json;
+  json["verified"] = verification.verified;
+  json["level"] = verification.level;
+  json["score"] = finite_or_null(verification.evaluation.score);
+  json["achieved"] = verification.evaluation.attempt.achieved;
+  json["why"] = name(verification.path_evaluation.attempt.why);
+  json["findings"] = verification.findings;
+  if (verification.check) {
+    json["states"] = verification.check->states;
+    json["pathClearance_m"] = finite_or_null(verification.check->clearance);
+    json["selfClearance_m"] = finite_or_null(verification.check->self_clearance);
+  }
+  return json;
+}
+
+std::string verification_text(const Verification& verification) {
+  std::string text = verification.verified
+                         ? "verified: achieved, and a collision-free path from home through all goals exists\n"
+                         : fmt::format("not verified (level {})\n", verification.level);
+  text += fmt::format("score        {:.6f}\n", verification.evaluation.score);
+  for (const std::string& finding : verification.findings) text += fmt::format("finding      {}\n", finding);
+  if (verification.check) {
+    text += fmt::format("path         {} waypoints, {} states looked at\n", verification.path->waypoints.rows(),
+                        verification.check->states);
+    if (std::isfinite(verification.check->clearance)) {
+      text += fmt::format("clearance    {} along the path\n", metres(verification.check->clearance));
+    }
+    if (std::isfinite(verification.check->self_clearance)) {
+      text += fmt::format("to itself    {} along the path\n", metres(verification.check->self_clearance));
+    }
+  }
+  return text;
+}
+
+std::string trace_csv(const std::vector<TracePoint>& trace) {
+  std::string text = "evaluations,seconds,score,achieved\n";
+  for (const TracePoint& point : trace) {
+    text += fmt::format("{},{:.6f},{:.17g},{}\n", point.evaluations, point.seconds, point.score,
+                        point.achieved ? 1 : 0);
+  }
+  return text;
+}
+
+}  // namespace modsearch::app

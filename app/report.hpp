@@ -1,0 +1,25 @@
+#pragma once
+
+#include <modsearch/problem/files.hpp>
+#include <modsearch/solvers/solver.hpp>
+#include <modsearch/solvers/verification.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace modsearch::app {
+
+/// The facts of an evaluated design, as JSON with flat keys.
+[[nodiscard]] nlohmann::ordered_json evaluation_json(const RobotProblem& problem, const Design& design,
+                                                     const Evaluation& evaluation);
+/// The same for people: the design, the score term by term, and what was reached.
+[[nodiscard]] std::string evaluation_text(const RobotProblem& problem, const Design& design,
+                                          const Evaluation& evaluation);
+
+/// The outcome of a verification.
+[[nodiscard]] nlohmann::ordered_json verification_json(const Verification& verification);
+[[nodiscard]] std::string verification_text(const Verification& verification);
+
+/// The trace of a search as CSV with a header.
+[[nodiscard]] std::string trace_csv(const std::vector<TracePoint>& trace);
+
+}  // namespace modsearch::app
