@@ -30,8 +30,8 @@ LocalCapsule local(const Box& box, double) {
 // is convex, and only one clamped parameter can be wrong).
 double squared_distance(const BoundingCapsule& a, const BoundingCapsule& b) {
   const Eigen::Vector3d between = a.centre_W - b.centre_W;
-  const double aa = a.half_axis_W.squaredNorm();
-  const double bb = b.half_axis_W.squaredNorm();
+  const double aa = a.half_length * a.half_length;
+  const double bb = b.half_length * b.half_length;
   const double ab = a.half_axis_W.dot(b.half_axis_W);
   const double ta = a.half_axis_W.dot(between);
   const double tb = b.half_axis_W.dot(between);
@@ -42,16 +42,24 @@ double squared_distance(const BoundingCapsule& a, const BoundingCapsule& b) {
   return (between + s * a.half_axis_W - t * b.half_axis_W).squaredNorm();
 }
 
+constexpr double kRounding = 1e-9;
+
 }  // namespace
 
 BoundingCapsule bounding_capsule(const Shape& shape, double bounding_radius, const Eigen::Isometry3d& X_WG) {
   const LocalCapsule capsule = std::visit([&](const auto& one) { return local(one, bounding_radius); }, shape);
-  return {X_WG.translation(), capsule.half_length * X_WG.linear().col(capsule.axis), capsule.radius};
+  return {X_WG.translation(), capsule.half_length * X_WG.linear().col(capsule.axis), capsule.half_length,
+          capsule.radius};
 }
 
 double gap(const BoundingCapsule& a, const BoundingCapsule& b) {
-  constexpr double kRounding = 1e-9;
   return std::sqrt(squared_distance(a, b)) - a.radius - b.radius - kRounding;
+}
+
+bool apart(const BoundingCapsule& a, const BoundingCapsule& b, double distance) {
+  if (balls_apart(a, b, distance)) return true;
+  const double reach = a.radius + b.radius + distance + kRounding;
+  return reach < 0.0 || squared_distance(a, b) > reach * reach;
 }
 
 }  // namespace modsearch

@@ -110,6 +110,7 @@ bool EdgeChecker::part_free_of_obstacles(double& part) {
   for (std::size_t g = 0; g < poses_.size(); ++g) {
     const double travel = travel_(0, static_cast<Eigen::Index>(g));
     for (const Scene::Placed& placed : scene_.placed_) {
+      if (balls_apart(capsules_[g], placed.capsule, part * travel)) continue;
       double bound = gap(capsules_[g], placed.capsule);
       if (bound <= 0.0) {
         const PlacedShape& obstacle = scene_.shape_of(placed);
@@ -125,6 +126,12 @@ bool EdgeChecker::part_free_of_obstacles(double& part) {
 
 bool EdgeChecker::part_free_of_self(double& part) {
   return !detail::any_self_pair(arm_, [&](std::size_t first, std::size_t second) {
+    // Only the joints between the two move one against the other: seen from the inner body, only the outer one moves.
+    const int frame_first = arm_.geometries()[first].frame;
+    const int frame_second = arm_.geometries()[second].frame;
+    const std::size_t outer = frame_second >= frame_first ? second : first;
+    const double travel = travel_(std::min(frame_first, frame_second), static_cast<Eigen::Index>(outer));
+    if (balls_apart(capsules_[first], capsules_[second], part * travel)) return false;
     double bound = gap(capsules_[first], capsules_[second]);
     if (bound <= 0.0) {
       ++work_.distances;
@@ -132,11 +139,6 @@ bool EdgeChecker::part_free_of_self(double& part) {
                              poses_[second]);
       if (bound < 0.0) return true;
     }
-    // Only the joints between the two move one against the other: seen from the inner body, only the outer one moves.
-    const int frame_first = arm_.geometries()[first].frame;
-    const int frame_second = arm_.geometries()[second].frame;
-    const std::size_t outer = frame_second >= frame_first ? second : first;
-    const double travel = travel_(std::min(frame_first, frame_second), static_cast<Eigen::Index>(outer));
     if (bound < part * travel) part = bound / travel;
     return false;
   });

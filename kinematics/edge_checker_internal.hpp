@@ -12,6 +12,16 @@ namespace modsearch {
 /// end.
 void interpolate(const double* a, const double* b, std::int64_t k, std::int64_t n, int n_joints, double* q);
 
+/// What planning asks about the world.
+class MotionChecker {
+ public:
+  virtual ~MotionChecker() = default;
+  /// No overlap at `q` [n_joints].
+  [[nodiscard]] virtual bool state_free(const double* q) = 0;
+  /// No overlap at any state of the edge from `a` to `b` but `a` itself, which the caller knows to be free.
+  [[nodiscard]] virtual bool edge_free(const double* a, const double* b) = 0;
+};
+
 /// Tells whether an arm can move along a straight line in joint space, by looking at so many states of it that no body
 /// point moves farther than `resolution` from one to the next.
 ///
@@ -20,16 +30,14 @@ void interpolate(const double* a, const double* b, std::int64_t k, std::int64_t 
 /// edge are the same from either end, to the last bit, and so is the verdict.
 ///
 /// Keeps scratch space: one checker per thread. `arm` and `scene` must outlive it.
-class EdgeChecker {
+class EdgeChecker final : public MotionChecker {
  public:
   /// `lower`, `upper` [n_joints]: the joint box that all edges lie in, see MotionBound. `resolution` > 0 [m].
   EdgeChecker(const Arm& arm, const Scene& scene, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
               double resolution, bool self_collision);
 
-  /// No overlap at `q` [n_joints].
-  [[nodiscard]] bool state_free(const double* q);
-  /// No overlap at any state of the edge from `a` to `b` but `a` itself, which the caller knows to be free.
-  [[nodiscard]] bool edge_free(const double* a, const double* b);
+  [[nodiscard]] bool state_free(const double* q) override;
+  [[nodiscard]] bool edge_free(const double* a, const double* b) override;
 
   [[nodiscard]] const Work& work() const { return work_; }
 

@@ -161,8 +161,8 @@ PathCheck check_path(const Arm& arm, const Scene& scene, const Path& path, doubl
     ++check.work.planner_states;
     collides = collides || scene.collides(arm, posture, check.work) ||
                (self_collision && self_collides(arm, posture, check.work));
-    check.clearance = std::min(check.clearance, scene.clearance(arm, posture, check.work));
-    if (self_collision) check.self_clearance = std::min(check.self_clearance, self_clearance(arm, posture, check.work));
+    check.clearance = scene.clearance(arm, posture, check.work, check.clearance);
+    if (self_collision) check.self_clearance = self_clearance(arm, posture, check.work, check.self_clearance);
   };
   q = waypoints.front();
   look();

@@ -99,16 +99,16 @@ class FixedSampler final : public ob::StateSampler {
 
 class Validity final : public ob::StateValidityChecker {
  public:
-  Validity(const ob::SpaceInformationPtr& si, EdgeChecker& checker) : StateValidityChecker(si), checker_{checker} {}
+  Validity(const ob::SpaceInformationPtr& si, MotionChecker& checker) : StateValidityChecker(si), checker_{checker} {}
   bool isValid(const ob::State* state) const override { return checker_.state_free(values(state)); }
 
  private:
-  EdgeChecker& checker_;
+  MotionChecker& checker_;
 };
 
 class Motions final : public ob::MotionValidator {
  public:
-  Motions(const ob::SpaceInformationPtr& si, EdgeChecker& checker) : MotionValidator(si), checker_{checker} {}
+  Motions(const ob::SpaceInformationPtr& si, MotionChecker& checker) : MotionValidator(si), checker_{checker} {}
   bool checkMotion(const ob::State* a, const ob::State* b) const override {
     return checker_.edge_free(values(a), values(b));
   }
@@ -120,7 +120,7 @@ class Motions final : public ob::MotionValidator {
   }
 
  private:
-  EdgeChecker& checker_;
+  MotionChecker& checker_;
 };
 
 // OMPL reports every plan on the console, through one handler for the whole process.
@@ -133,7 +133,7 @@ void silence_ompl() {
 
 RrtConnectResult rrt_connect(const Eigen::VectorXd& q_start, const Eigen::VectorXd& q_goal,
                              const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, std::int64_t max_iterations,
-                             std::uint64_t stream, EdgeChecker& checker) {
+                             std::uint64_t stream, MotionChecker& checker) {
   silence_ompl();
   RrtConnectResult result;
   const auto space = std::make_shared<JointSpace>(lower, upper);

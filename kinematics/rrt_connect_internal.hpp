@@ -18,6 +18,6 @@ struct RrtConnectResult {
 /// neighbours, an end by the number of samples.
 [[nodiscard]] RrtConnectResult rrt_connect(const Eigen::VectorXd& q_start, const Eigen::VectorXd& q_goal,
                                            const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-                                           std::int64_t max_iterations, std::uint64_t stream, EdgeChecker& checker);
+                                           std::int64_t max_iterations, std::uint64_t stream, MotionChecker& checker);
 
 }  // namespace modsearch

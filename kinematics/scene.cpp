@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <modsearch/kinematics/scene.hpp>
 #include <modsearch/kinematics/self_pairs_internal.hpp>
 #include <stdexcept>
@@ -13,9 +14,33 @@ Eigen::Isometry3d pose_of(const ArmGeometry& geometry, const Posture& posture) {
   return posture.frames[static_cast<std::size_t>(geometry.frame)] * geometry.X_FG;
 }
 
-BoundingCapsule capsule_of(const ArmGeometry& geometry, const Eigen::Isometry3d& X_WG) {
-  return bounding_capsule(geometry.shape, geometry.bounding_radius, X_WG);
+BoundingCapsule capsule_of(const ArmGeometry& geometry, const Posture& posture) {
+  const Eigen::Isometry3d& X_WF = posture.frames[static_cast<std::size_t>(geometry.frame)];
+  BoundingCapsule capsule = bounding_capsule(geometry.shape, geometry.bounding_radius, geometry.X_FG);
+  capsule.centre_W = X_WF.linear() * capsule.centre_W + X_WF.translation();
+  capsule.half_axis_W = X_WF.linear() * capsule.half_axis_W;
+  return capsule;
 }
+
+// The capsules of all geometries of an arm, on the stack for all but very long arms.
+class ArmCapsules {
+ public:
+  ArmCapsules(const Arm& arm, const Posture& posture) {
+    const std::vector<ArmGeometry>& geometries = arm.geometries();
+    if (geometries.size() > few_.size()) many_.resize(geometries.size());
+    capsules_ = many_.empty() ? few_.data() : many_.data();
+    for (std::size_t g = 0; g < geometries.size(); ++g) capsules_[g] = capsule_of(geometries[g], posture);
+  }
+  ArmCapsules(const ArmCapsules&) = delete;
+  ArmCapsules& operator=(const ArmCapsules&) = delete;
+
+  [[nodiscard]] const BoundingCapsule& operator[](std::size_t g) const { return capsules_[g]; }
+
+ private:
+  std::array<BoundingCapsule, 24> few_;
+  std::vector<BoundingCapsule> many_;
+  BoundingCapsule* capsules_;
+};
 
 void check_pose(const Eigen::Isometry3d& X_WG) {
   if (!X_WG.matrix().allFinite()) throw std::invalid_argument("a number of the pose is not finite");
@@ -53,36 +78,34 @@ const PlacedShape& Scene::shape_of(const Placed& placed) const {
   return obstacles_[static_cast<std::size_t>(placed.obstacle)].shapes[static_cast<std::size_t>(placed.shape)];
 }
 
-double Scene::clearance(const Arm& arm, const Posture& posture, Work& work) const {
+double Scene::clearance(const Arm& arm, const Posture& posture, Work& work, double ceiling) const {
   // The pair whose capsules are closest goes first: its distance spares most of the others the exact test.
-  double least_gap = kInfinity;
+  double least_gap = ceiling;
   const ArmGeometry* favourite_geometry = nullptr;
   const Placed* favourite = nullptr;
   for (const ArmGeometry& geometry : arm.geometries()) {
-    const BoundingCapsule capsule = capsule_of(geometry, pose_of(geometry, posture));
+    const BoundingCapsule capsule = capsule_of(geometry, posture);
     for (const Placed& placed : placed_) {
-      const double bound = gap(capsule, placed.capsule);
-      if (bound >= least_gap) continue;
-      least_gap = bound;
+      if (apart(capsule, placed.capsule, least_gap)) continue;
+      least_gap = gap(capsule, placed.capsule);
       favourite_geometry = &geometry;
       favourite = &placed;
     }
   }
-  if (favourite == nullptr) return kInfinity;
+  if (favourite == nullptr) return ceiling;
 
-  double least = kInfinity;
-  const auto look = [&](const ArmGeometry& geometry, const Eigen::Isometry3d& X_WG, const Placed& placed) {
+  double least = ceiling;
+  const auto look = [&](const ArmGeometry& geometry, const Placed& placed) {
     const PlacedShape& obstacle = shape_of(placed);
     ++work.distances;
-    least = std::min(least, signed_distance(geometry.shape, X_WG, obstacle.shape, obstacle.X_FG));
+    least = std::min(least, signed_distance(geometry.shape, pose_of(geometry, posture), obstacle.shape, obstacle.X_FG));
   };
-  look(*favourite_geometry, pose_of(*favourite_geometry, posture), *favourite);
+  look(*favourite_geometry, *favourite);
   for (const ArmGeometry& geometry : arm.geometries()) {
-    const Eigen::Isometry3d X_WG = pose_of(geometry, posture);
-    const BoundingCapsule capsule = capsule_of(geometry, X_WG);
+    const BoundingCapsule capsule = capsule_of(geometry, posture);
     for (const Placed& placed : placed_) {
       if (&geometry == favourite_geometry && &placed == favourite) continue;
-      if (gap(capsule, placed.capsule) < least) look(geometry, X_WG, placed);
+      if (!apart(capsule, placed.capsule, least)) look(geometry, placed);
     }
   }
   return least;
@@ -90,13 +113,12 @@ double Scene::clearance(const Arm& arm, const Posture& posture, Work& work) cons
 
 bool Scene::collides(const Arm& arm, const Posture& posture, Work& work) const {
   for (const ArmGeometry& geometry : arm.geometries()) {
-    const Eigen::Isometry3d X_WG = pose_of(geometry, posture);
-    const BoundingCapsule capsule = capsule_of(geometry, X_WG);
+    const BoundingCapsule capsule = capsule_of(geometry, posture);
     for (const Placed& placed : placed_) {
-      if (gap(capsule, placed.capsule) > 0.0) continue;
+      if (apart(capsule, placed.capsule, 0.0)) continue;
       const PlacedShape& obstacle = shape_of(placed);
       ++work.distances;
-      if (overlaps(geometry.shape, X_WG, obstacle.shape, obstacle.X_FG)) return true;
+      if (overlaps(geometry.shape, pose_of(geometry, posture), obstacle.shape, obstacle.X_FG)) return true;
     }
   }
   return false;
@@ -106,13 +128,12 @@ std::vector<Contact> Scene::contacts(const Arm& arm, const Posture& posture, dou
   std::vector<Contact> result;
   for (std::size_t g = 0; g < arm.geometries().size(); ++g) {
     const ArmGeometry& geometry = arm.geometries()[g];
-    const Eigen::Isometry3d X_WG = pose_of(geometry, posture);
-    const BoundingCapsule capsule = capsule_of(geometry, X_WG);
+    const BoundingCapsule capsule = capsule_of(geometry, posture);
     for (const Placed& placed : placed_) {
-      if (gap(capsule, placed.capsule) >= margin) continue;
+      if (apart(capsule, placed.capsule, margin)) continue;
       const PlacedShape& obstacle = shape_of(placed);
       ++work.distances;
-      const Separation found = separation(geometry.shape, X_WG, obstacle.shape, obstacle.X_FG);
+      const Separation found = separation(geometry.shape, pose_of(geometry, posture), obstacle.shape, obstacle.X_FG);
       if (found.distance < margin) result.push_back({found, static_cast<int>(g), placed.obstacle, placed.shape});
     }
   }
@@ -122,53 +143,50 @@ std::vector<Contact> Scene::contacts(const Arm& arm, const Posture& posture, dou
 double Scene::clearance(const Eigen::Vector3d& p_W) const {
   const Shape point = Sphere{0.0};
   const Eigen::Isometry3d X_WP{Eigen::Translation3d{p_W}};
-  const BoundingCapsule capsule{p_W, Eigen::Vector3d::Zero(), 0.0};
+  const BoundingCapsule capsule{.centre_W = p_W};
   double least = kInfinity;
   for (const Placed& placed : placed_) {
-    if (gap(capsule, placed.capsule) >= least) continue;
+    if (apart(capsule, placed.capsule, least)) continue;
     const PlacedShape& obstacle = shape_of(placed);
     least = std::min(least, signed_distance(point, X_WP, obstacle.shape, obstacle.X_FG));
   }
   return least;
 }
 
-double self_clearance(const Arm& arm, const Posture& posture, Work& work) {
-  double least = kInfinity;
+double self_clearance(const Arm& arm, const Posture& posture, Work& work, double ceiling) {
+  const ArmCapsules capsules(arm, posture);
+  double least = ceiling;
   detail::any_self_pair(arm, [&](std::size_t first, std::size_t second) {
+    if (apart(capsules[first], capsules[second], least)) return false;
     const ArmGeometry& a = arm.geometries()[first];
     const ArmGeometry& b = arm.geometries()[second];
-    const Eigen::Isometry3d X_WA = pose_of(a, posture);
-    const Eigen::Isometry3d X_WB = pose_of(b, posture);
-    if (gap(capsule_of(a, X_WA), capsule_of(b, X_WB)) >= least) return false;
     ++work.distances;
-    least = std::min(least, signed_distance(a.shape, X_WA, b.shape, X_WB));
+    least = std::min(least, signed_distance(a.shape, pose_of(a, posture), b.shape, pose_of(b, posture)));
     return false;
   });
   return least;
 }
 
 bool self_collides(const Arm& arm, const Posture& posture, Work& work) {
+  const ArmCapsules capsules(arm, posture);
   return detail::any_self_pair(arm, [&](std::size_t first, std::size_t second) {
+    if (apart(capsules[first], capsules[second], 0.0)) return false;
     const ArmGeometry& a = arm.geometries()[first];
     const ArmGeometry& b = arm.geometries()[second];
-    const Eigen::Isometry3d X_WA = pose_of(a, posture);
-    const Eigen::Isometry3d X_WB = pose_of(b, posture);
-    if (gap(capsule_of(a, X_WA), capsule_of(b, X_WB)) > 0.0) return false;
     ++work.distances;
-    return overlaps(a.shape, X_WA, b.shape, X_WB);
+    return overlaps(a.shape, pose_of(a, posture), b.shape, pose_of(b, posture));
   });
 }
 
 std::vector<Contact> self_contacts(const Arm& arm, const Posture& posture, double margin, Work& work) {
+  const ArmCapsules capsules(arm, posture);
   std::vector<Contact> result;
   detail::any_self_pair(arm, [&](std::size_t first, std::size_t second) {
+    if (apart(capsules[first], capsules[second], margin)) return false;
     const ArmGeometry& a = arm.geometries()[first];
     const ArmGeometry& b = arm.geometries()[second];
-    const Eigen::Isometry3d X_WA = pose_of(a, posture);
-    const Eigen::Isometry3d X_WB = pose_of(b, posture);
-    if (gap(capsule_of(a, X_WA), capsule_of(b, X_WB)) >= margin) return false;
     ++work.distances;
-    const Separation found = separation(a.shape, X_WA, b.shape, X_WB);
+    const Separation found = separation(a.shape, pose_of(a, posture), b.shape, pose_of(b, posture));
     if (found.distance < margin) result.push_back({found, static_cast<int>(first), static_cast<int>(second), -1});
     return false;
   });

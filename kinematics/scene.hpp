@@ -40,7 +40,10 @@ class Scene {
 
   /// Least signed distance between any body of the arm at `posture` and any obstacle [m]; negative: overlap; +inf:
   /// nothing to compare. `work.distances` counts the pairs that the capsules could not part.
-  [[nodiscard]] double clearance(const Arm& arm, const Posture& posture, Work& work) const;
+  /// Never more than `ceiling`: what is known to be farther away is not measured, which makes the least clearance of
+  /// many postures cheap to find.
+  [[nodiscard]] double clearance(const Arm& arm, const Posture& posture, Work& work,
+                                 double ceiling = std::numeric_limits<double>::infinity()) const;
   /// Whether any body overlaps any obstacle; stops at the first. Much cheaper than the distance.
   [[nodiscard]] bool collides(const Arm& arm, const Posture& posture, Work& work) const;
   /// The separation of every (arm geometry, obstacle shape) pair closer than `margin` [m], in a fixed order.
@@ -63,7 +66,9 @@ class Scene {
 };
 
 /// Least signed distance between two bodies of the arm that are not neighbours (Chain::self_pairs) [m]; +inf: no pairs.
-[[nodiscard]] double self_clearance(const Arm& arm, const Posture& posture, Work& work);
+/// Never more than `ceiling`, as in Scene::clearance.
+[[nodiscard]] double self_clearance(const Arm& arm, const Posture& posture, Work& work,
+                                    double ceiling = std::numeric_limits<double>::infinity());
 /// Whether two bodies that are not neighbours overlap; stops at the first pair.
 [[nodiscard]] bool self_collides(const Arm& arm, const Posture& posture, Work& work);
 /// The separation of every pair of geometries of non-neighbouring bodies closer than `margin` [m], in a fixed order.

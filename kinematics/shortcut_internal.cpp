@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <modsearch/kinematics/fixed_stream_internal.hpp>
 #include <modsearch/kinematics/shortcut_internal.hpp>
 
@@ -7,8 +8,11 @@ namespace {
 
 using Waypoints = std::vector<Eigen::VectorXd>;
 
+// Part of the whole length that a shortcut must save to be worth a look (arbitrary: below what one can see).
+constexpr double kLeastSaving = 1e-3;
+
 // From each kept waypoint on to the farthest one that it sees.
-Waypoints without_detours(const Waypoints& waypoints, EdgeChecker& checker) {
+Waypoints without_detours(const Waypoints& waypoints, MotionChecker& checker) {
   Waypoints kept{waypoints.front()};
   for (std::size_t i = 0; i + 1 < waypoints.size();) {
     std::size_t next = waypoints.size() - 1;
@@ -48,7 +52,7 @@ PathPoint point_at(const Waypoints& waypoints, double way) {
 
 }  // namespace
 
-Waypoints shortened(Waypoints waypoints, int attempts, std::uint64_t stream, EdgeChecker& checker) {
+Waypoints shortened(Waypoints waypoints, int attempts, std::uint64_t stream, MotionChecker& checker) {
   waypoints = without_detours(waypoints, checker);
   FixedStream numbers{stream};
   for (int attempt = 0; attempt < attempts && waypoints.size() > 2; ++attempt) {
@@ -58,6 +62,8 @@ Waypoints shortened(Waypoints waypoints, int attempts, std::uint64_t stream, Edg
     const PathPoint from = point_at(waypoints, std::min(u, v));
     const PathPoint to = point_at(waypoints, std::max(u, v));
     if (from.edge == to.edge) continue;
+    const double saved = std::abs(u - v) - (to.q - from.q).norm();
+    if (saved < kLeastSaving * whole) continue;
     // The remainders of the two cut edges are looked at as well: their states are others than those of the whole edges.
     if (!checker.edge_free(from.q.data(), to.q.data()) ||
         !checker.edge_free(waypoints[from.edge].data(), from.q.data()) ||

@@ -11,6 +11,6 @@ namespace modsearch {
 /// Creating high-quality paths for motion planning, section 4, doi:10.1177/0278364907079280), then the first again.
 /// Every edge of the result, cut ones included, has passed `checker`.
 [[nodiscard]] std::vector<Eigen::VectorXd> shortened(std::vector<Eigen::VectorXd> waypoints, int attempts,
-                                                     std::uint64_t stream, EdgeChecker& checker);
+                                                     std::uint64_t stream, MotionChecker& checker);
 
 }  // namespace modsearch
