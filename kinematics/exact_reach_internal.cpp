@@ -6,7 +6,7 @@
 #include <limits>
 #include <modsearch/kinematics/exact_reach_internal.hpp>
 #include <modsearch/kinematics/reach_closed_forms_internal.hpp>
-#include <modsearch/kinematics/reach_search_internal.hpp>
+#include <modsearch/kinematics/reach_minima_internal.hpp>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -16,24 +16,8 @@ namespace modsearch::internal {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-// Postures closer than this in every joint are the same [rad] or [m]: below what clearance can tell apart.
-constexpr double kSame = 1e-5;
-// Flatness below which a minimum may belong to a family: rounding, and the error of a finished descent.
-constexpr double kFlat = 1e-6;
-// Flatness below which a second minimum may lie within a step of the grid (a fold of the arm's reach).
-constexpr double kFold = 0.1;
-
-bool same_value(const ReachLink& link, double a, double b, double tolerance) {
-  const double apart = a - b;
-  return std::abs(link.full_circle ? std::remainder(apart, kTurn) : apart) <= tolerance;
-}
-
-bool same(const ReachProblem& problem, const ReachJoints& a, const ReachJoints& b, double tolerance) {
-  for (int j = 0; j < problem.n; ++j) {
-    if (!same_value(problem.links[static_cast<std::size_t>(j)], a[j], b[j], tolerance)) return false;
-  }
-  return true;
-}
+// Families narrower than this are single postures [rad] or [m].
+constexpr double kNarrow = 1e-5;
 
 // The turn nearest to zero of a full circle; infinite slides are cut where no shortest motion goes beyond.
 void make_finite(ReachLink& link, double span) {
@@ -81,79 +65,12 @@ NearestList minima_1(const ReachProblem& problem) {
 // Whether every posture of a one-joint chain is within `tie` of the least distance: target or tip on the axis.
 bool all_equal_1(const ReachProblem& problem, double tie) {
   const ReachLink& link = problem.links[0];
-  if (!link.rotates || link.upper - link.lower <= kSame) return false;
+  if (!link.rotates || link.upper - link.lower <= kNarrow) return false;
   const double rho = std::hypot(link.p.x(), link.p.y());
   const double rho_t = std::hypot(problem.target.x(), problem.target.y());
   const double dz = link.p.z() - problem.target.z();
   return std::hypot(rho + rho_t, dz) - std::hypot(rho - rho_t, dz) <= tie;
 }
-
-// Half the distance that the tip can travel between neighbouring points of the grid, joint 0 left out: no minimum is
-// lower than a grid minimum that leads to it by more than this.
-double grid_uncertainty(const ReachProblem& problem) {
-  double result = 0.0;
-  double lever = 0.0;
-  for (int j = problem.n - 1; j >= 1; --j) {
-    const ReachLink& link = problem.links[static_cast<std::size_t>(j)];
-    lever += link.p.norm();
-    result += 0.5 * grid_step(problem, j) * (link.rotates ? lever : 1.0);
-    if (!link.rotates) lever += std::max(std::abs(link.lower), std::abs(link.upper));
-  }
-  return result;
-}
-
-// The search for two and three joints: descents from the grid's minima, and from beside every shallow end.
-class Search {
- public:
-  Search(const ReachProblem& problem, bool all, ReachWork& work) : problem_{problem}, all_{all}, work_{work} {}
-
-  void run() {
-    NearestList starts = problem_.n == 2 ? grid_minima_2(problem_) : grid_minima_3(problem_);
-    std::sort(starts.begin(), starts.end(), closer);
-    const double uncertainty = grid_uncertainty(problem_);
-    for (const Nearest& start : starts) {
-      if (finished() || start.distance > best_ + uncertainty) break;
-      descend_from(start.q, 0);
-    }
-  }
-
-  struct Minimum {
-    Nearest nearest;
-    bool flat = false;  // may belong to a family, which leads on in `direction`
-    ReachJoints direction = ReachJoints::Zero();
-  };
-  [[nodiscard]] std::vector<Minimum>& minima() { return minima_; }
-
-  static bool closer(const Nearest& a, const Nearest& b) { return a.distance < b.distance; }
-
- private:
-  // Nothing is closer than zero, and one posture is enough.
-  [[nodiscard]] bool finished() const { return !all_ && best_ < 1e-12; }
-
-  void descend_from(const ReachJoints& start, int depth) {
-    constexpr int kDepth = 3;
-    constexpr std::size_t kEnough = 64;
-    const Descent descent = descend(problem_, start, work_);
-    const bool known = std::any_of(minima_.begin(), minima_.end(), [&](const Minimum& m) {
-      return same(problem_, m.nearest.q, descent.end.q, kSame);
-    });
-    if (known || minima_.size() >= kEnough) return;
-    const bool flat = std::abs(descent.flatness) < kFlat;
-    minima_.push_back({descent.end, flat, descent.flat_direction});
-    best_ = std::min(best_, descent.end.distance);
-    if (depth == kDepth || descent.flatness >= kFold || flat) return;
-    for (const double side : {1.0, -1.0}) {
-      if (finished()) return;
-      descend_from(descent.end.q + side * grid_step(problem_, problem_.n - 1) * descent.flat_direction, depth + 1);
-    }
-  }
-
-  const ReachProblem& problem_;
-  bool all_;
-  ReachWork& work_;
-  double best_ = std::numeric_limits<double>::infinity();
-  std::vector<Minimum> minima_;
-};
 
 struct Transform {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
@@ -176,13 +93,6 @@ void remove_joint(ReachProblem& problem, int k) {
     problem.links[static_cast<std::size_t>(j)] = problem.links[static_cast<std::size_t>(j) + 1];
   }
   --problem.n;
-}
-
-ReachJoints inserted(const ReachJoints& q, int k, double value) {
-  ReachJoints result = q;
-  for (int j = kMaxReachJoints - 1; j > k; --j) result[j] = q[j - 1];
-  result[k] = value;
-  return result;
 }
 
 // Two neighbouring revolute joints `first`, `first` + 1 about one line: only sign * q_first + q_(first + 1) matters.
@@ -254,7 +164,7 @@ std::vector<Interval> splits(const Coaxial& pair, double sum) {
 
 // Puts the inner joint back at `value`.
 Nearest split(const Coaxial& pair, const Nearest& item, double value, double sum) {
-  Nearest result{inserted(item.q, pair.first, value), item.distance};
+  Nearest result{with_joint_inserted(item.q, pair.first, value), item.distance};
   result.q[pair.first + 1] = std::clamp(sum - pair.sign * value, pair.outer.lower, pair.outer.upper);
   return result;
 }
@@ -286,7 +196,7 @@ std::vector<Nearest> all_splits(const Coaxial& pair, const std::vector<Nearest>&
     const std::vector<Interval> intervals = splits(pair, item.q[pair.first]);
     double length = 0.0;
     for (const Interval& interval : intervals) length += interval.upper - interval.lower;
-    if (length <= kSame) continue;
+    if (length <= kNarrow) continue;
     for (int i = 0; i < points; ++i) {
       double along = (i + 0.5) / points * length;
       std::size_t k = 0;
@@ -342,6 +252,13 @@ ReachProblem with_joint_fixed(const ReachProblem& problem, int k, double value) 
   return result;
 }
 
+ReachJoints with_joint_inserted(const ReachJoints& q, int k, double value) {
+  ReachJoints result = q;
+  for (int j = kMaxReachJoints - 1; j > k; --j) result[j] = q[j - 1];
+  result[k] = value;
+  return result;
+}
+
 Nearest nearest(const ReachProblem& problem, ReachWork& work) {
   if (problem.n == 0) return {ReachJoints::Zero(), problem.target.norm()};
   if (problem.n == 1) return minima_1(problem)[0];
@@ -349,11 +266,7 @@ Nearest nearest(const ReachProblem& problem, ReachWork& work) {
     return plain_split(*pair, nearest(merged(problem, *pair), work));
   }
   if (const std::optional<ClosedForm> closed = closed_form(problem, 0.0)) return closed->minima[0];
-  Search search{problem, false, work};
-  search.run();
-  return std::min_element(search.minima().begin(), search.minima().end(),
-                          [](const auto& a, const auto& b) { return a.nearest.distance < b.nearest.distance; })
-      ->nearest;
+  return minima(problem, false, work).front().nearest;
 }
 
 namespace {
@@ -365,7 +278,7 @@ std::vector<Nearest> slice(const ReachProblem& problem, int k, const std::vector
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::size_t before = result.size();
     for (const Nearest& item : all_nearest(with_joint_fixed(problem, k, values[i]), tie, family_points, work)) {
-      if (item.distance <= limit) result.push_back({inserted(item.q, k, values[i]), item.distance});
+      if (item.distance <= limit) result.push_back({with_joint_inserted(item.q, k, values[i]), item.distance});
     }
     if (hits != nullptr && result.size() > before) hits->push_back(static_cast<int>(i));
   }
@@ -432,21 +345,14 @@ std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int fa
     }
     return family(problem, closed->family_joint, list[0].distance + tie, tie, family_points, work);
   }
-  Search search{problem, true, work};
-  search.run();
-  std::vector<Search::Minimum>& minima = search.minima();
-  std::stable_sort(minima.begin(), minima.end(),
-                   [](const auto& a, const auto& b) { return a.nearest.distance < b.nearest.distance; });
-  const double limit = minima[0].nearest.distance + tie;
+  const std::vector<Minimum> found = minima(problem, true, work);
+  const double limit = found[0].nearest.distance + tie;
   std::vector<Nearest> result;
   std::array<bool, kMaxReachJoints> moves{};
-  bool has_flat = false;
-  for (const Search::Minimum& minimum : minima) {
+  for (const Minimum& minimum : found) {
     if (minimum.nearest.distance > limit) break;
-    // Flat ones come again as members of their family; the first stays in case that it is not one.
-    if (!minimum.flat || !has_flat) result.push_back(minimum.nearest);
+    result.push_back(minimum.nearest);
     if (!minimum.flat) continue;
-    has_flat = true;
     Eigen::Index k = 0;
     minimum.direction.cwiseAbs().maxCoeff(&k);
     moves[static_cast<std::size_t>(k)] = true;

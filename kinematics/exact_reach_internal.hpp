@@ -79,6 +79,9 @@ struct ReachWork {
 /// The same problem with joint `k` fixed at `value`, one joint fewer.
 [[nodiscard]] ReachProblem with_joint_fixed(const ReachProblem& problem, int k, double value);
 
+/// A posture of the problem above with joint `k` put back at `value`.
+[[nodiscard]] ReachJoints with_joint_inserted(const ReachJoints& q, int k, double value);
+
 /// One posture of least distance.
 [[nodiscard]] Nearest nearest(const ReachProblem& problem, ReachWork& work);
 

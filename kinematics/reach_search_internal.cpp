@@ -150,6 +150,20 @@ double grid_step(const ReachProblem& problem, int j) {
   return (link.upper - link.lower) / (link.full_circle ? points : points - 1);
 }
 
+ReachJoints with_best_first_joint(const ReachProblem& problem, const ReachJoints& q) {
+  ReachJoints inside = q;
+  for (int j = 1; j < problem.n; ++j) {
+    const ReachLink& link = problem.links[static_cast<std::size_t>(j)];
+    if (link.rotates && (q[j] < link.lower || q[j] > link.upper)) {
+      inside[j] -= kTurn * std::floor((q[j] - link.lower) / kTurn);
+      // Past the upper limit: the nearer end of the gap.
+      if (inside[j] > link.upper && inside[j] - link.upper > link.lower + kTurn - inside[j]) inside[j] = link.lower;
+    }
+    inside[j] = std::clamp(inside[j], link.lower, link.upper);
+  }
+  return grid_start(Sweep{problem}, problem, inside[1], inside[2]);
+}
+
 NearestList grid_minima_2(const ReachProblem& problem) {
   constexpr int kColumns = kPointsOfOne;
   const Sweep sweep{problem};

@@ -14,6 +14,9 @@ namespace modsearch::internal {
 /// Distance between neighbouring grid points of joint `j` [rad or m].
 [[nodiscard]] double grid_step(const ReachProblem& problem, int j);
 
+/// `q` taken into the limits, with joint 0 where it brings the tip closest.
+[[nodiscard]] ReachJoints with_best_first_joint(const ReachProblem& problem, const ReachJoints& q);
+
 /// What Newton's method ended at.
 struct Descent {
   Nearest end;
