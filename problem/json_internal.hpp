@@ -126,8 +126,8 @@ inline constexpr int kDeepestNesting = 64;
 [[nodiscard]] std::string preview(const Json& value);
 
 /// Numbers, lists and poses to write, -0 as 0.
-[[nodiscard]] Json to_json(const Eigen::Isometry3d& X);
-[[nodiscard]] Json to_json(const Eigen::VectorXd& v);
+[[nodiscard]] nlohmann::ordered_json to_json(const Eigen::Isometry3d& X);
+[[nodiscard]] nlohmann::ordered_json to_json(const Eigen::VectorXd& v);
 /// Document as text: indented, but lists of numbers and short objects on one line. Infinity stands as null.
 [[nodiscard]] std::string to_text(const nlohmann::ordered_json& document);
 

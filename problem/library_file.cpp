@@ -160,7 +160,6 @@ ModuleType read_module(const JsonCursor& cursor) {
       module.joints.push_back(read_joint(entry, module.parameters, module.bodies));
     }
   }
-  // What makes one module unusable by itself is said at its place in the file; the library checks the rest.
   return module;
 }
 
@@ -194,6 +193,7 @@ std::shared_ptr<const ModuleLibrary> load_library_from(const std::string& file_o
     const JsonDocument document = parse_json(std::string{*text}, {"built-in library " + file_or_id, {}});
     return read_library(document.cursor(), file_or_id);
   }
+  if (referrer.empty()) require_file_or_id(file_or_id, "library", builtin_libraries());
   const JsonDocument document = load_json(directory / file_or_id, referrer);
   return read_library(document.cursor(), (directory / file_or_id).string());
 }

@@ -45,6 +45,10 @@ std::shared_ptr<const TriangleMesh> load_mesh(const std::filesystem::path& file,
   }
 
   Assimp::Importer importer;
+  const std::string extension = file.extension().string();
+  if (!importer.IsExtensionSupported(extension)) {
+    throw std::runtime_error(fmt::format("is of a kind that is not supported yet (\"{}\")", extension));
+  }
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     throw std::runtime_error(fmt::format("cannot be read: {}", importer.GetErrorString()));

@@ -23,6 +23,10 @@ Eigen::Isometry3d facing() {
   return X;
 }
 
+const Connector& connector_at(const ModuleType& module, int body, int connector) {
+  return module.bodies[static_cast<std::size_t>(body)].connectors[static_cast<std::size_t>(connector)];
+}
+
 bool has_connector(const ModuleType& module, std::string_view type) {
   for (const ModuleBody& body : module.bodies) {
     for (const Connector& connector : body.connectors) {
@@ -345,8 +349,8 @@ int ModuleLibrary::max_parameters() const {
 }
 
 int ModuleLibrary::entry(const End& previous, int k) const {
-  if (previous.mate < 0) return -1;
   const Ends& module_ends = ends_of(k);
+  if (previous.mate < 0) return -1;
   for (int e = 0; e < 2; ++e) {
     const End& end = module_ends[static_cast<std::size_t>(e)];
     if (end.mate != previous.mate) continue;
@@ -363,7 +367,6 @@ std::optional<ModuleLibrary::End> ModuleLibrary::free_end(std::span<const int> t
   End free = base_end_;
   for (const int k : types) {
     const int e = entry(free, k);
-    static_cast<void>(type(k));
     if (e < 0) return std::nullopt;
     free = ends_of(k)[static_cast<std::size_t>(1 - e)];
   }
@@ -387,11 +390,39 @@ bool ModuleLibrary::complete(std::span<const int> types) const {
   return !types.empty() && type(types.back()).role() == ModuleRole::kEndEffector;
 }
 
+int ModuleLibrary::entry_or_throw(const End& previous, std::span<const int> types, std::size_t i) const {
+  const int e = entry(previous, types[i]);
+  if (e < 0) {
+    throw std::invalid_argument(fmt::format("placement {}: module '{}' does not fit '{}'", i, type(types[i]).id,
+                                            i == 0 ? base_.id : type(types[i - 1]).id));
+  }
+  return e;
+}
+
+std::vector<std::pair<std::string, std::string>> ModuleLibrary::connections(std::span<const int> types) const {
+  std::vector<std::pair<std::string, std::string>> result;
+  const ModuleType* before = &base_;
+  End free = base_end_;
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    const ModuleType& module = type(types[i]);
+    const int e = entry_or_throw(free, types, i);
+    const End& in = ends_of(types[i])[static_cast<std::size_t>(e)];
+    result.emplace_back(connector_at(*before, free.body, free.connector).id, connector_at(module, in.body, in.connector).id);
+    free = ends_of(types[i])[static_cast<std::size_t>(1 - e)];
+    before = &module;
+  }
+  return result;
+}
+
+const std::string& ModuleLibrary::ground_connector() const {
+  return connector_at(base_, ground_end_.body, ground_end_.connector).id;
+}
+
 Chain ModuleLibrary::assemble(std::span<const int> types, const Eigen::Isometry3d& X_WB) const {
   int n_parameters = 0;
   for (const int k : types) n_parameters += type(k).n_parameters();
   const auto connector = [](const ModuleType& module, const End& end) -> const Connector& {
-    return module.bodies[static_cast<std::size_t>(end.body)].connectors[static_cast<std::size_t>(end.connector)];
+    return connector_at(module, end.body, end.connector);
   };
 
   Assembly assembly{n_parameters, X_WB};
@@ -399,11 +430,7 @@ Chain ModuleLibrary::assemble(std::span<const int> types, const Eigen::Isometry3
   End free = base_end_;
   for (std::size_t i = 0; i < types.size(); ++i) {
     const ModuleType& module = type(types[i]);
-    const int e = entry(free, types[i]);
-    if (e < 0) {
-      throw std::invalid_argument(fmt::format("placement {}: module '{}' does not fit '{}'", i, module.id,
-                                              i == 0 ? base_.id : type(types[i - 1]).id));
-    }
+    const int e = entry_or_throw(free, types, i);
     const End& in = ends_of(types[i])[static_cast<std::size_t>(e)];
     const End& out = ends_of(types[i])[static_cast<std::size_t>(1 - e)];
     assembly.add(module, static_cast<int>(i), connector(module, in), in.body, connector(module, out), out.body);

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace modsearch {
@@ -115,6 +116,12 @@ class ModuleLibrary {
   /// Nothing is missing: the design ends in an end effector, or the library has none.
   [[nodiscard]] bool complete(std::span<const int> types) const;
 
+  /// IDs of the connectors by which each module hangs on the one before it, (there, here) [n_types].
+  /// Throws std::invalid_argument if `types` do not fit in turn.
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> connections(std::span<const int> types) const;
+  /// ID of the base's connector of type "base".
+  [[nodiscard]] const std::string& ground_connector() const;
+
   /// The chain of base + `types`, base frame at `X_WB`; x is the concatenation of the modules' parameters, base to tip.
   /// Throws std::invalid_argument if the modules do not fit together.
   [[nodiscard]] Chain assemble(std::span<const int> types,
@@ -134,6 +141,7 @@ class ModuleLibrary {
   [[nodiscard]] const Ends& ends_of(int k) const;
   // Which end of type `k` is entered from the free end `previous`; -1: none.
   [[nodiscard]] int entry(const End& previous, int k) const;
+  [[nodiscard]] int entry_or_throw(const End& previous, std::span<const int> types, std::size_t i) const;
   // The free end of base + `types`; empty if they do not fit together.
   [[nodiscard]] std::optional<End> free_end(std::span<const int> types) const;
 

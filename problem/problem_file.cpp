@@ -88,6 +88,7 @@ ProblemFile load_problem_file(const std::string& file_or_id) {
     const detail::JsonDocument document = detail::parse_json(std::string{*text}, {"built-in problem " + file_or_id, {}});
     return detail::read_problem(document.cursor(), file_or_id);
   }
+  detail::require_file_or_id(file_or_id, "problem", builtin_problems());
   return detail::read_problem(detail::load_json(file_or_id).cursor(), file_or_id);
 }
 

@@ -10,6 +10,8 @@ namespace modsearch::detail {
 /// Text of the built-in library or problem with this ID.
 [[nodiscard]] std::optional<std::string_view> builtin_library(std::string_view id);
 [[nodiscard]] std::optional<std::string_view> builtin_problem(std::string_view id);
+/// Throws FileError, listing the IDs of the built-in ones, if `file`, which is none of them, does not exist either.
+void require_file_or_id(const std::filesystem::path& file, std::string_view what, const std::vector<std::string>& known);
 
 /// `name`: ID or file, kept in the library for messages.
 [[nodiscard]] std::shared_ptr<const ModuleLibrary> read_library(const JsonCursor& cursor, const std::string& name);
@@ -24,5 +26,6 @@ namespace modsearch::detail {
 
 /// A list of {"type", "parameters"}.
 [[nodiscard]] Design read_design(const JsonCursor& cursor, const ModuleLibrary& library);
+[[nodiscard]] nlohmann::ordered_json to_json(const ModuleLibrary& library, const Design& design);
 
 }  // namespace modsearch::detail

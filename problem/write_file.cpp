@@ -1,0 +1,70 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <modsearch/problem/files.hpp>
+
+namespace modsearch {
+namespace {
+
+/// Closes and removes what is left of an attempt to write.
+class Draft {
+ public:
+  Draft(std::filesystem::path path, const std::filesystem::path& target) : path_{std::move(path)}, target_{target} {
+    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail();
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+  ~Draft() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!kept_) ::unlink(path_.c_str());
+  }
+
+  void write(std::string_view text) {
+    while (!text.empty()) {
+      const ::ssize_t written = ::write(descriptor_, text.data(), text.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) fail();
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+    if (::fsync(descriptor_) != 0) fail();
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail();
+  }
+
+  /// Puts the draft in the place of the target.
+  void keep() {
+    if (::rename(path_.c_str(), target_.c_str()) != 0) fail();
+    kept_ = true;
+  }
+
+ private:
+  [[noreturn]] void fail() {
+    const int reason = errno;
+    if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+    ::unlink(path_.c_str());
+    throw FileError(fmt::format("{}: cannot be written: {}", target_.string(), std::strerror(reason)));
+  }
+
+  std::filesystem::path path_;
+  std::filesystem::path target_;
+  int descriptor_ = -1;
+  bool kept_ = false;
+};
+
+}  // namespace
+
+void write_file(const std::filesystem::path& file, std::string_view text) {
+  // Process and count keep writers apart, threads included.
+  static std::atomic<unsigned> count{0};
+  std::filesystem::path beside = file;
+  beside += fmt::format(".{}-{}.part", ::getpid(), count++);
+  Draft draft{std::move(beside), file};
+  draft.write(text);
+  draft.keep();
+}
+
+}  // namespace modsearch
