@@ -187,9 +187,10 @@ Nearest plain_split(const Coaxial& pair, const Nearest& item) {
 // Two-parameter families are sampled at about this many points per parameter.
 int per_parameter(int family_points) { return std::max(1, static_cast<int>(std::lround(std::sqrt(family_points)))); }
 
+// All ways to share the turns of `items` between the two joints.
 std::vector<Nearest> all_splits(const Coaxial& pair, const std::vector<Nearest>& items, int family_points) {
-  const int points = static_cast<int>(items.size()) < per_parameter(family_points) ? family_points
-                                                                                   : per_parameter(family_points);
+  const int few = per_parameter(family_points);
+  const int points = static_cast<int>(items.size()) < few ? family_points : few;
   std::vector<Nearest> result;
   for (const Nearest& item : items) {
     result.push_back(plain_split(pair, item));
@@ -285,6 +286,10 @@ std::vector<Nearest> slice(const ReachProblem& problem, int k, const std::vector
   return result;
 }
 
+void append(std::vector<Nearest>& list, const std::vector<Nearest>& more) {
+  list.insert(list.end(), more.begin(), more.end());
+}
+
 std::vector<double> midpoints(double lower, double upper, int count) {
   std::vector<double> result;
   for (int i = 0; i < count; ++i) result.push_back(lower + (upper - lower) * (i + 0.5) / count);
@@ -332,18 +337,20 @@ std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int fa
     return result;
   }
   if (const std::optional<Coaxial> pair = find_coaxial(problem)) {
-    return all_splits(*pair, all_nearest(merged(problem, *pair), tie, family_points, work), family_points);
+    // A family of the merged arm makes this one of two parameters: few points along either.
+    const int few = per_parameter(family_points);
+    return all_splits(*pair, all_nearest(merged(problem, *pair), tie, few, work), family_points);
   }
 
   if (const std::optional<ClosedForm> closed = closed_form(problem, tie); closed && closed->complete) {
     const NearestList& list = closed->minima;
-    if (closed->family_joint < 0) {
-      std::vector<Nearest> result;
-      std::copy_if(list.begin(), list.end(), std::back_inserter(result),
-                   [&](const Nearest& item) { return item.distance <= list[0].distance + tie; });
-      return result;
+    std::vector<Nearest> result;
+    std::copy_if(list.begin(), list.end(), std::back_inserter(result),
+                 [&](const Nearest& item) { return item.distance <= list[0].distance + tie; });
+    if (closed->family_joint >= 0) {
+      append(result, family(problem, closed->family_joint, list[0].distance + tie, tie, family_points, work));
     }
-    return family(problem, closed->family_joint, list[0].distance + tie, tie, family_points, work);
+    return result;
   }
   const std::vector<Minimum> found = minima(problem, true, work);
   const double limit = found[0].nearest.distance + tie;
@@ -359,7 +366,7 @@ std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int fa
   }
   for (int k = 0; k < problem.n; ++k) {
     if (!moves[static_cast<std::size_t>(k)]) continue;
-    for (const Nearest& item : family(problem, k, limit, tie, family_points, work)) result.push_back(item);
+    append(result, family(problem, k, limit, tie, family_points, work));
   }
   return result;
 }

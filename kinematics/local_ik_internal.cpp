@@ -23,7 +23,73 @@ PoseRegion drawn_in(const PoseRegion& region) {
   return {region.nominal(), std::move(tolerances)};
 }
 
+// The components whose length a projection is, or the projection itself.
+std::vector<Projection> components_of(Projection projection) {
+  if (projection == Projection::kRSph) return {Projection::kX, Projection::kY, Projection::kZ};
+  if (projection == Projection::kRCyl) return {Projection::kX, Projection::kY};
+  if (projection == Projection::kThetaR) return {Projection::kNx, Projection::kNy, Projection::kNz};
+  return {projection};
+}
+
+PoseRegion component_region(const PoseRegion& region) {
+  std::vector<Tolerance> rows;
+  for (const Tolerance& tolerance : region.tolerances()) {
+    for (const Projection projection : components_of(tolerance.projection)) {
+      rows.push_back({.projection = projection, .lower = 0.0, .upper = 0.0, .R_TN = tolerance.R_TN});
+    }
+  }
+  return {region.nominal(), std::move(rows)};
+}
+
 }  // namespace
+
+Residuals::Residuals(const PoseRegion& region) : region_{region}, components_{component_region(region)} {
+  int row = 0;
+  for (const Tolerance& tolerance : region.tolerances()) {
+    blocks_.push_back({row, static_cast<int>(components_of(tolerance.projection).size())});
+    row += blocks_.back().rows;
+  }
+}
+
+Eigen::VectorXd Residuals::at(const Eigen::Isometry3d& X_WE) const {
+  const Eigen::VectorXd violations = region_.violations(X_WE);
+  Eigen::VectorXd result = components_.values(X_WE);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    auto v = result.segment(blocks_[i].first, blocks_[i].rows);
+    const double violation = violations[static_cast<Eigen::Index>(i)];
+    if (blocks_[i].rows == 1) {
+      v[0] = violation;
+    } else if (const double length = v.norm(); length > 0.0) {
+      v *= violation / length;
+    } else {
+      v[0] = violation;
+    }
+  }
+  return result;
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, 6> Residuals::jacobian(const Eigen::Isometry3d& X_WE) const {
+  const Eigen::VectorXd violations = region_.violations(X_WE);
+  const Eigen::VectorXd values = components_.values(X_WE);
+  Eigen::Matrix<double, Eigen::Dynamic, 6> J = components_.jacobian(X_WE);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const double violation = violations[static_cast<Eigen::Index>(i)];
+    auto rows = J.middleRows(blocks_[i].first, blocks_[i].rows);
+    if (violation == 0.0) {
+      rows.setZero();
+    } else if (blocks_[i].rows > 1) {
+      // v (1 - b / |v|), b the end of the interval, has the derivative k I + (1 - k) u u^T with u = v / |v| and
+      // k = (|v| - b) / |v|.
+      const Eigen::VectorXd v = values.segment(blocks_[i].first, blocks_[i].rows);
+      const double length = v.norm();
+      if (length == 0.0) continue;
+      const double k = violation / length;
+      const Eigen::VectorXd u = v / length;
+      rows = (k * rows + (1.0 - k) * u * (u.transpose() * rows)).eval();
+    }
+  }
+  return J;
+}
 
 Verdict judge(const Arm& arm, const PoseRegion& region, const Eigen::VectorXd& q) {
   Posture posture;
@@ -37,7 +103,7 @@ Verdict judge(const Arm& arm, const PoseRegion& region, const Eigen::VectorXd& q
 }
 
 LocalIk::LocalIk(const Arm& arm, const PoseRegion& region, int max_iterations)
-    : arm_{arm}, region_{region}, aim_{drawn_in(region)}, max_iterations_{max_iterations} {
+    : arm_{arm}, region_{region}, ball_{region.is_ball()}, residuals_{drawn_in(region)}, max_iterations_{max_iterations} {
   const int n = arm.n_joints();
   lower_ = arm.chain().lower_limits();
   upper_ = arm.chain().upper_limits();
@@ -78,10 +144,10 @@ void LocalIk::project(Eigen::VectorXd& q) const {
 double LocalIk::cost(const Eigen::VectorXd& q) {
   ++forward_;
   arm_.forward(q.data(), posture_);
-  if (region_.is_ball()) {
+  if (ball_) {
     residual_ = posture_.tip.translation() - region_.nominal().translation();
   } else {
-    residual_ = aim_.violations(posture_.tip);
+    residual_ = residuals_.at(posture_.tip);
   }
   return 0.5 * residual_.squaredNorm();
 }
@@ -90,12 +156,8 @@ double LocalIk::cost(const Eigen::VectorXd& q) {
 // the arm's reach, where the Jacobian is singular and the distance is not zero.
 void LocalIk::derivatives(const Eigen::VectorXd& q) {
   const Eigen::Matrix<double, 6, Eigen::Dynamic> J_tip = arm_.tip_jacobian_q(posture_);
-  if (!region_.is_ball()) {
-    const Eigen::Matrix<double, Eigen::Dynamic, 6> J_region = aim_.jacobian(posture_.tip);
-    Eigen::MatrixXd J = J_region * J_tip;
-    for (Eigen::Index i = 0; i < J.rows(); ++i) {
-      if (residual_[i] == 0.0) J.row(i).setZero();  // the interval holds
-    }
+  if (!ball_) {
+    const Eigen::MatrixXd J = residuals_.jacobian(posture_.tip) * J_tip;
     gradient_.noalias() = J.transpose() * residual_;
     hessian_.noalias() = J.transpose() * J;
     return;

@@ -18,6 +18,28 @@ struct Verdict {
 };
 [[nodiscard]] Verdict judge(const Arm& arm, const PoseRegion& region, const Eigen::VectorXd& q);
 
+/// Violations of a region as residuals whose squares add up to the same sum, but that a Gauss-Newton method understands.
+///
+/// A violated length (r_sph, r_cyl, Theta_R) counts as the vector from the allowed shell to the point, not as a number:
+/// of the number's gradient alone the method would believe that all directions across it are free.
+class Residuals {
+ public:
+  explicit Residuals(const PoseRegion& region);
+
+  [[nodiscard]] Eigen::VectorXd at(const Eigen::Isometry3d& X_WE) const;
+  /// d residuals / d (linear and angular velocity of E) [rows x 6]; zero rows where the interval holds.
+  [[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, 6> jacobian(const Eigen::Isometry3d& X_WE) const;
+
+ private:
+  struct Block {
+    int first = 0;  // row
+    int rows = 1;
+  };
+  std::vector<Block> blocks_;
+  PoseRegion region_;      // the intervals themselves
+  PoseRegion components_;  // one projection per row
+};
+
 /// Projected Levenberg-Marquardt searches for one arm and region: least violation, or least distance for a ball.
 class LocalIk {
  public:
@@ -41,7 +63,8 @@ class LocalIk {
 
   const Arm& arm_;
   const PoseRegion& region_;
-  PoseRegion aim_;  // a hair smaller than the region, so that the search ends inside it
+  bool ball_;
+  Residuals residuals_;  // of a region a hair smaller, so that the search ends inside
   int max_iterations_;
   Eigen::VectorXd lower_, upper_;  // finite
   std::vector<bool> full_circle_;
