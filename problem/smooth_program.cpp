@@ -1,11 +1,10 @@
-#include <modsearch/problem/smooth_program.hpp>
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <modsearch/kinematics/low_discrepancy.hpp>
+#include <modsearch/problem/smooth_program.hpp>
 #include <numbers>
 #include <stdexcept>
 
@@ -41,8 +40,8 @@ Eigen::MatrixXd SmoothProgram::hessian(const Eigen::VectorXd& v, double objectiv
                                        const Eigen::VectorXd& multipliers) {
   check_point("hessian", v, n_variables());
   if (multipliers.size() != n_rows()) {
-    throw std::invalid_argument(fmt::format("SmoothProgram::hessian: {} multipliers, the program has {} rows",
-                                            multipliers.size(), n_rows()));
+    throw std::invalid_argument(
+        fmt::format("SmoothProgram::hessian: {} multipliers, the program has {} rows", multipliers.size(), n_rows()));
   }
   return do_hessian(v, objective_factor, multipliers);
 }
@@ -157,7 +156,8 @@ Eigen::MatrixXd BallsAsRows::do_hessian(const Eigen::VectorXd& v, double objecti
   Eigen::Index next = n, row = m;
   for (const BallRows& ball : inner_.balls()) {
     if (!needs_variables(ball)) continue;
-    if (needs_row(ball)) result.block(next, next, ball.count, ball.count).diagonal().setConstant(2.0 * multipliers[row++]);
+    if (needs_row(ball))
+      result.block(next, next, ball.count, ball.count).diagonal().setConstant(2.0 * multipliers[row++]);
     next += ball.count;
   }
   return result;

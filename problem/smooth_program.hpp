@@ -22,10 +22,10 @@ class SmoothProgram {
  public:
   /// Value and first derivatives at a point. Kept by the caller and reused, so that nothing is allocated in a loop.
   struct Values {
-    double objective = 0.0;     ///< f
-    Eigen::VectorXd gradient;   ///< df/dv [n]
-    Eigen::VectorXd rows;       ///< c [m]
-    Eigen::MatrixXd jacobian;   ///< dc/dv [m x n]
+    double objective = 0.0;    ///< f
+    Eigen::VectorXd gradient;  ///< df/dv [n]
+    Eigen::VectorXd rows;      ///< c [m]
+    Eigen::MatrixXd jacobian;  ///< dc/dv [m x n]
   };
 
   virtual ~SmoothProgram() = default;
@@ -51,8 +51,8 @@ class SmoothProgram {
   /// hold, +inf where a number is NaN. Throws std::invalid_argument for other sizes.
   [[nodiscard]] double violation(const Eigen::VectorXd& v, const Eigen::VectorXd& c) const;
 
-  /// Start number `index` (0, 1, ..) of a fixed low-discrepancy sequence, spread over the bounds; one turn about 0 stands
-  /// for the bounds of an endless joint. Throws std::invalid_argument if index < 0.
+  /// Start number `index` (0, 1, ..) of a fixed low-discrepancy sequence, spread over the bounds; one turn about 0
+  /// stands for the bounds of an endless joint. Throws std::invalid_argument if index < 0.
   [[nodiscard]] virtual Eigen::VectorXd start(int index);
   /// The design at `v`, its parameters clamped into their intervals.
   [[nodiscard]] virtual Design design(const Eigen::VectorXd& v) const = 0;
@@ -68,8 +68,8 @@ class SmoothProgram {
                                                    const Eigen::VectorXd& multipliers) = 0;
 };
 
-/// The same program with intervals only: each ball of radius R gets a variable u in [-1, 1]^count, rows c - R u = 0 and a
-/// row |u|^2 <= 1. Better conditioned than |c|^2 <= R^2: the pose rows stay nearly linear, whatever the tolerance.
+/// The same program with intervals only: each ball of radius R gets a variable u in [-1, 1]^count, rows c - R u = 0 and
+/// a row |u|^2 <= 1. Better conditioned than |c|^2 <= R^2: the pose rows stay nearly linear, whatever the tolerance.
 /// Where it can be simpler it is: a ball of radius 0 is rows c = 0 without u, and a single row needs no |u|^2 <= 1.
 /// Variables are (inner variables, u of the first ball, ..), rows (inner rows, |u|^2 of the first ball, ..).
 class BallsAsRows final : public SmoothProgram {
@@ -78,8 +78,8 @@ class BallsAsRows final : public SmoothProgram {
   explicit BallsAsRows(SmoothProgram& inner);
   [[nodiscard]] Eigen::VectorXd start(int index) override;
   [[nodiscard]] Design design(const Eigen::VectorXd& v) const override;
-  /// A point of the inner program with u filled in as well as it can be: c / R, scaled back into the ball. Evaluates the
-  /// inner program once.
+  /// A point of the inner program with u filled in as well as it can be: c / R, scaled back into the ball. Evaluates
+  /// the inner program once.
   [[nodiscard]] Eigen::VectorXd extended(const Eigen::VectorXd& inner_point);
   /// The inner program's part of `v`.
   [[nodiscard]] Eigen::VectorXd reduced(const Eigen::VectorXd& v) const;

@@ -1,10 +1,9 @@
-#include <modsearch/solvers/inner_solver.hpp>
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <modsearch/solvers/inner_solver.hpp>
 #include <modsearch/solvers/watched_program_internal.hpp>
 #include <stdexcept>
 #include <utility>
@@ -52,15 +51,19 @@ InnerResult only_point(SmoothProgram& program, const Eigen::VectorXd& v, const I
 InnerResult dispatch(Inner inner, SmoothProgram& program, const Eigen::VectorXd& start, const InnerOptions& options,
                      Meter& meter) {
   switch (inner) {
-    case Inner::kOwn: return minimise_own(program, start, options, meter);
-    case Inner::kIpopt: return minimise_ipopt(program, start, options, meter);
+    case Inner::kOwn:
+      return minimise_own(program, start, options, meter);
+    case Inner::kIpopt:
+      return minimise_ipopt(program, start, options, meter);
     case Inner::kSlsqp:
     case Inner::kCobyla:
     case Inner::kDirect:
     case Inner::kCrs2:
     case Inner::kIsres:
-    case Inner::kMlsl: return minimise_nlopt(inner, program, start, options, meter);
-    case Inner::kCeres: return minimise_ceres(program, start, options, meter);
+    case Inner::kMlsl:
+      return minimise_nlopt(inner, program, start, options, meter);
+    case Inner::kCeres:
+      return minimise_ceres(program, start, options, meter);
   }
   throw std::invalid_argument("minimise: no such inner solver");
 }
@@ -87,11 +90,16 @@ std::vector<Inner> inner_solvers() {
 
 std::string_view name(InnerStatus status) {
   switch (status) {
-    case InnerStatus::kConverged: return "converged";
-    case InnerStatus::kLimit: return "limit";
-    case InnerStatus::kInfeasible: return "infeasible";
-    case InnerStatus::kStopped: return "stopped";
-    case InnerStatus::kFailed: return "failed";
+    case InnerStatus::kConverged:
+      return "converged";
+    case InnerStatus::kLimit:
+      return "limit";
+    case InnerStatus::kInfeasible:
+      return "infeasible";
+    case InnerStatus::kStopped:
+      return "stopped";
+    case InnerStatus::kFailed:
+      return "failed";
   }
   throw std::invalid_argument("name: no such InnerStatus");
 }
@@ -106,8 +114,8 @@ InnerResult minimise(Inner inner, SmoothProgram& program, const Eigen::VectorXd&
                       .violation = std::numeric_limits<double>::infinity()};
   if (meter.stopped()) return nothing;
   const bool fixed = (program.lower().array() == program.upper().array()).all();
-  InnerResult result = fixed ? only_point(program, inside, options, meter)
-                             : dispatch(inner, program, inside, options, meter);
+  InnerResult result =
+      fixed ? only_point(program, inside, options, meter) : dispatch(inner, program, inside, options, meter);
   if (result.v.size() == inside.size()) return result;
   // The program was not a number anywhere it was tried: the start has to do for a point.
   nothing.status = result.status == InnerStatus::kStopped ? InnerStatus::kStopped : InnerStatus::kFailed;

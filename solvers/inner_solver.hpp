@@ -26,33 +26,33 @@ enum class Inner {
 [[nodiscard]] std::vector<Inner> inner_solvers();
 
 struct InnerOptions {
-  int max_iterations = 200;   ///< of the method; arbitrary, far above what a converging run takes (10-70)
+  int max_iterations = 200;    ///< of the method; arbitrary, far above what a converging run takes (10-70)
   int max_evaluations = 5000;  ///< of the program, for methods that count those (NLopt)
-  double tolerance = 1e-9;    ///< rows may be violated by this much, in their own units; so is optimality
-  std::uint64_t seed = 0;     ///< of the stochastic methods (crs2, isres, mlsl)
+  double tolerance = 1e-9;     ///< rows may be violated by this much, in their own units; so is optimality
+  std::uint64_t seed = 0;      ///< of the stochastic methods (crs2, isres, mlsl)
 };
 
 enum class InnerStatus {
-  kConverged,    ///< a local optimum within the tolerances
-  kLimit,        ///< iterations or evaluations are spent; `v` may still be feasible
-  kInfeasible,   ///< ended at a point that violates rows
-  kStopped,      ///< the meter said stop
-  kFailed,       ///< the package gave up (NaN, restoration failure, ..)
+  kConverged,   ///< a local optimum within the tolerances
+  kLimit,       ///< iterations or evaluations are spent; `v` may still be feasible
+  kInfeasible,  ///< ended at a point that violates rows
+  kStopped,     ///< the meter said stop
+  kFailed,      ///< the package gave up (NaN, restoration failure, ..)
 };
 [[nodiscard]] std::string_view name(InnerStatus status);
 
 struct InnerResult {
   InnerStatus status = InnerStatus::kFailed;
-  Eigen::VectorXd v;                 ///< best point found, within the bounds
+  Eigen::VectorXd v;  ///< best point found, within the bounds
   double objective = 0.0;
-  double violation = 0.0;            ///< SmoothProgram::violation at v
-  std::int64_t evaluations = 0;      ///< of the program
+  double violation = 0.0;        ///< SmoothProgram::violation at v
+  std::int64_t evaluations = 0;  ///< of the program
 };
 
 /// Minimises `program` from `start` [n_variables] (global methods use it as a hint or not at all). Counts the program's
 /// evaluations in `meter` and stops when it says so. NaN from the program makes a step fail, never a wrong answer; an
-/// exception from the program comes out of here as it is. Ipopt runs under one process-wide lock: Debian's linear solver
-/// is not thread-safe.
+/// exception from the program comes out of here as it is. Ipopt runs under one process-wide lock: Debian's linear
+/// solver is not thread-safe.
 [[nodiscard]] InnerResult minimise(Inner inner, SmoothProgram& program, const Eigen::VectorXd& start,
                                    const InnerOptions& options, Meter& meter);
 

@@ -1,9 +1,7 @@
-#include <modsearch/solvers/watched_program_internal.hpp>
-
 #include <IpIpoptApplication.hpp>
 #include <IpTNLP.hpp>
-
 #include <algorithm>
+#include <modsearch/solvers/watched_program_internal.hpp>
 #include <mutex>
 #include <stdexcept>
 #include <utility>
@@ -14,8 +12,8 @@ namespace {
 using Ipopt::Index;
 using Ipopt::Number;
 
-/// The program in Ipopt's terms, intervals only. Derivatives are dense. Ipopt asks for f, its gradient, c and its Jacobian
-/// one at a time; the last point evaluated is kept so that all four cost one evaluation of the program.
+/// The program in Ipopt's terms, intervals only. Derivatives are dense. Ipopt asks for f, its gradient, c and its
+/// Jacobian one at a time; the last point evaluated is kept so that all four cost one evaluation of the program.
 ///
 /// Other exceptions than NotANumber pass through Ipopt, which is told to let them.
 class Tnlp final : public Ipopt::TNLP {
@@ -63,7 +61,8 @@ class Tnlp final : public Ipopt::TNLP {
     return true;
   }
 
-  bool eval_jac_g(Index n, const Number* x, bool, Index m, Index, Index* row, Index* column, Number* jacobian) override {
+  bool eval_jac_g(Index n, const Number* x, bool, Index m, Index, Index* row, Index* column,
+                  Number* jacobian) override {
     if (jacobian == nullptr) {
       for (Index j = 0; j < n; ++j) {
         for (Index i = 0; i < m; ++i) {
@@ -78,8 +77,8 @@ class Tnlp final : public Ipopt::TNLP {
     return true;
   }
 
-  bool eval_h(Index n, const Number* x, bool, Number factor, Index m, const Number* multipliers, bool, Index, Index* row,
-              Index* column, Number* hessian) override {
+  bool eval_h(Index n, const Number* x, bool, Number factor, Index m, const Number* multipliers, bool, Index,
+              Index* row, Index* column, Number* hessian) override {
     if (hessian == nullptr) {
       for (Index j = 0; j < n; ++j) {
         for (Index i = j; i < n; ++i) {
@@ -99,8 +98,8 @@ class Tnlp final : public Ipopt::TNLP {
     }
   }
 
-  bool intermediate_callback(Ipopt::AlgorithmMode, Index, Number, Number, Number, Number, Number, Number, Number, Number,
-                             Index, const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
+  bool intermediate_callback(Ipopt::AlgorithmMode, Index, Number, Number, Number, Number, Number, Number, Number,
+                             Number, Index, const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
     return !watched_.stopped();
   }
 
@@ -140,12 +139,17 @@ InnerStatus status_of(Ipopt::ApplicationReturnStatus status) {
     case Ipopt::Solved_To_Acceptable_Level:
     case Ipopt::Feasible_Point_Found:
     // No better step exists in floating point: as converged as it gets. The violation is checked anyway.
-    case Ipopt::Search_Direction_Becomes_Too_Small: return InnerStatus::kConverged;
-    case Ipopt::Infeasible_Problem_Detected: return InnerStatus::kInfeasible;
+    case Ipopt::Search_Direction_Becomes_Too_Small:
+      return InnerStatus::kConverged;
+    case Ipopt::Infeasible_Problem_Detected:
+      return InnerStatus::kInfeasible;
     case Ipopt::Maximum_Iterations_Exceeded:
-    case Ipopt::Maximum_CpuTime_Exceeded: return InnerStatus::kLimit;
-    case Ipopt::User_Requested_Stop: return InnerStatus::kStopped;
-    case Ipopt::Insufficient_Memory: throw std::bad_alloc{};
+    case Ipopt::Maximum_CpuTime_Exceeded:
+      return InnerStatus::kLimit;
+    case Ipopt::User_Requested_Stop:
+      return InnerStatus::kStopped;
+    case Ipopt::Insufficient_Memory:
+      throw std::bad_alloc{};
     case Ipopt::Invalid_Option:
     case Ipopt::Internal_Error:
     case Ipopt::Diverging_Iterates:
@@ -155,7 +159,8 @@ InnerStatus status_of(Ipopt::ApplicationReturnStatus status) {
     case Ipopt::Invalid_Problem_Definition:
     case Ipopt::Invalid_Number_Detected:
     case Ipopt::Unrecoverable_Exception:
-    case Ipopt::NonIpopt_Exception_Thrown: return InnerStatus::kFailed;
+    case Ipopt::NonIpopt_Exception_Thrown:
+      return InnerStatus::kFailed;
   }
   return InnerStatus::kFailed;
 }
@@ -165,12 +170,13 @@ Ipopt::SmartPtr<Ipopt::IpoptApplication> application(const InnerOptions& options
   ipopt->RethrowNonIpoptException(true);
   const auto settings = ipopt->Options();
   settings->SetIntegerValue("print_level", 0);
-  settings->SetStringValue("sb", "yes");                  // no banner on stdout
-  settings->SetStringValue("option_file_name", "");       // an ipopt.opt that happens to lie around changes nothing
+  settings->SetStringValue("sb", "yes");             // no banner on stdout
+  settings->SetStringValue("option_file_name", "");  // an ipopt.opt that happens to lie around changes nothing
   settings->SetIntegerValue("max_iter", options.max_iterations);
   settings->SetNumericValue("tol", options.tolerance);
-  settings->SetNumericValue("constr_viol_tol", 0.1 * options.tolerance);  // rows c - R u, and u: leaves room for the ball
-  settings->SetNumericValue("bound_relax_factor", 0.0);   // designs stay within their parameters' intervals
+  settings->SetNumericValue("constr_viol_tol",
+                            0.1 * options.tolerance);    // rows c - R u, and u: leaves room for the ball
+  settings->SetNumericValue("bound_relax_factor", 0.0);  // designs stay within their parameters' intervals
   settings->SetStringValue("honor_original_bounds", "yes");
   if (ipopt->Initialize("") != Ipopt::Solve_Succeeded) {
     throw std::runtime_error{"Ipopt refuses our options: is another version installed?"};

@@ -1,6 +1,5 @@
-#include <modsearch/solvers/meter.hpp>
-
 #include <cmath>
+#include <modsearch/solvers/meter.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -18,19 +17,29 @@ void refuse_nan(Evaluation& evaluation) {
 
 std::string_view name(StopReason reason) {
   switch (reason) {
-    case StopReason::kEvaluations: return "evaluations";
-    case StopReason::kSeconds: return "seconds";
-    case StopReason::kTargetScore: return "target score";
-    case StopReason::kInterrupted: return "interrupted";
-    case StopReason::kOptimal: return "optimal";
-    case StopReason::kUnreachable: return "unreachable";
-    case StopReason::kExhausted: return "exhausted";
+    case StopReason::kEvaluations:
+      return "evaluations";
+    case StopReason::kSeconds:
+      return "seconds";
+    case StopReason::kTargetScore:
+      return "target score";
+    case StopReason::kInterrupted:
+      return "interrupted";
+    case StopReason::kOptimal:
+      return "optimal";
+    case StopReason::kUnreachable:
+      return "unreachable";
+    case StopReason::kExhausted:
+      return "exhausted";
   }
   throw std::invalid_argument("name: no such StopReason");
 }
 
 Meter::Meter(Budget budget, Observer observer, std::stop_token stop)
-    : budget_{budget}, observer_{std::move(observer)}, stop_{std::move(stop)}, start_{std::chrono::steady_clock::now()} {
+    : budget_{budget},
+      observer_{std::move(observer)},
+      stop_{std::move(stop)},
+      start_{std::chrono::steady_clock::now()} {
   if (budget_.evaluations < 0 || !(budget_.seconds >= 0.0) || std::isnan(budget_.target_score)) {
     throw std::invalid_argument("Meter: a budget must be at least 0 and a number");
   }

@@ -22,13 +22,13 @@ struct Budget {
 
 /// Why a search ended.
 enum class StopReason {
-  kEvaluations,    ///< the budget of evaluations is spent
-  kSeconds,        ///< the time is up
-  kTargetScore,    ///< the target score is met
-  kInterrupted,    ///< somebody asked to stop
-  kOptimal,        ///< nothing better is left, by the problem's own bounds
-  kUnreachable,    ///< proved: no design of the space is achieved
-  kExhausted,      ///< the solver has tried what it would try
+  kEvaluations,  ///< the budget of evaluations is spent
+  kSeconds,      ///< the time is up
+  kTargetScore,  ///< the target score is met
+  kInterrupted,  ///< somebody asked to stop
+  kOptimal,      ///< nothing better is left, by the problem's own bounds
+  kUnreachable,  ///< proved: no design of the space is achieved
+  kExhausted,    ///< the solver has tried what it would try
 };
 /// "evaluations", "seconds", "target score", "interrupted", "optimal", "unreachable", "exhausted".
 [[nodiscard]] std::string_view name(StopReason reason);

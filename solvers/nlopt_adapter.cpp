@@ -1,5 +1,3 @@
-#include <modsearch/solvers/watched_program_internal.hpp>
-
 #include <fmt/format.h>
 #include <nlopt.h>
 
@@ -7,6 +5,7 @@
 #include <cmath>
 #include <exception>
 #include <memory>
+#include <modsearch/solvers/watched_program_internal.hpp>
 #include <mutex>
 #include <numbers>
 #include <stdexcept>
@@ -44,15 +43,16 @@ Opt make(nlopt_algorithm algorithm, int n) {
 /// One row, seen as value <= 0 or value = 0.
 struct Side {
   Eigen::Index row;
-  double sign;   // +1: c - limit, -1: limit - c
+  double sign;  // +1: c - limit, -1: limit - c
   double limit;
 };
 
-/// The program in NLopt's terms. NLopt is C: no exception may leave a callback. It is kept, the package told to stop, and
-/// thrown again afterwards.
+/// The program in NLopt's terms. NLopt is C: no exception may leave a callback. It is kept, the package told to stop,
+/// and thrown again afterwards.
 class Problem {
  public:
-  Problem(WatchedProgram& watched, SmoothProgram& program, Form form) : watched_{watched}, program_{program}, form_{form} {
+  Problem(WatchedProgram& watched, SmoothProgram& program, Form form)
+      : watched_{watched}, program_{program}, form_{form} {
     for (Eigen::Index i = 0; i < program.n_rows(); ++i) {
       const double low = program.row_lower()[i], high = program.row_upper()[i];
       if (low == high) {
@@ -176,7 +176,8 @@ class Problem {
   void rows(const std::vector<Side>& sides, bool with_balls, unsigned m, double* result, unsigned n, const double* x,
             double* gradient) {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    Eigen::Map<RowMajor> g{gradient, gradient == nullptr ? 0 : static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(n)};
+    Eigen::Map<RowMajor> g{gradient, gradient == nullptr ? 0 : static_cast<Eigen::Index>(m),
+                           static_cast<Eigen::Index>(n)};
     if (!move_to(x)) {
       std::fill_n(result, m, kBarrier);
       g.setZero();
@@ -217,17 +218,21 @@ InnerStatus status_of(nlopt_result result) {
     case NLOPT_SUCCESS:
     case NLOPT_STOPVAL_REACHED:
     case NLOPT_FTOL_REACHED:
-    case NLOPT_XTOL_REACHED: return InnerStatus::kConverged;
+    case NLOPT_XTOL_REACHED:
+      return InnerStatus::kConverged;
     case NLOPT_MAXEVAL_REACHED:
-    case NLOPT_MAXTIME_REACHED: return InnerStatus::kLimit;
-    case NLOPT_FORCED_STOP: return InnerStatus::kStopped;
-    default: return InnerStatus::kFailed;
+    case NLOPT_MAXTIME_REACHED:
+      return InnerStatus::kLimit;
+    case NLOPT_FORCED_STOP:
+      return InnerStatus::kStopped;
+    default:
+      return InnerStatus::kFailed;
   }
 }
 
 /// SLSQP from a point of the program itself. Its quasi-Newton matrix may go astray on the way (it then gives up for
-/// rounding errors); started afresh from where it came it usually ends properly. If it gives up again without having found
-/// anything better, steepest descent along the constraints leads nowhere: that is an optimum.
+/// rounding errors); started afresh from where it came it usually ends properly. If it gives up again without having
+/// found anything better, steepest descent along the constraints leads nowhere: that is an optimum.
 nlopt_result slsqp(WatchedProgram& watched, Eigen::VectorXd point, const InnerOptions& options) {
   constexpr int kAttempts = 3;
   BallsAsRows intervals{watched};
@@ -263,15 +268,21 @@ struct Method {
 
 Method method_of(Inner inner) {
   switch (inner) {
-    case Inner::kCobyla: return {NLOPT_LN_COBYLA, Form::kRows, false};
-    case Inner::kDirect: return {NLOPT_GN_DIRECT_L, Form::kLinearPenalty, false};
-    case Inner::kCrs2: return {NLOPT_GN_CRS2_LM, Form::kLinearPenalty, true};
-    case Inner::kIsres: return {NLOPT_GN_ISRES, Form::kRows, true};
-    case Inner::kMlsl: return {NLOPT_G_MLSL_LDS, Form::kQuadraticPenalty, true};
+    case Inner::kCobyla:
+      return {NLOPT_LN_COBYLA, Form::kRows, false};
+    case Inner::kDirect:
+      return {NLOPT_GN_DIRECT_L, Form::kLinearPenalty, false};
+    case Inner::kCrs2:
+      return {NLOPT_GN_CRS2_LM, Form::kLinearPenalty, true};
+    case Inner::kIsres:
+      return {NLOPT_GN_ISRES, Form::kRows, true};
+    case Inner::kMlsl:
+      return {NLOPT_G_MLSL_LDS, Form::kQuadraticPenalty, true};
     case Inner::kSlsqp:
     case Inner::kOwn:
     case Inner::kIpopt:
-    case Inner::kCeres: break;
+    case Inner::kCeres:
+      break;
   }
   throw std::invalid_argument("minimise: not a method of NLopt");
 }
@@ -312,8 +323,8 @@ nlopt_result rough_then_slsqp(Inner inner, WatchedProgram& watched, const Eigen:
 InnerResult minimise_nlopt(Inner inner, SmoothProgram& program, const Eigen::VectorXd& start,
                            const InnerOptions& options, Meter& meter) {
   WatchedProgram watched{program, options, meter};
-  const nlopt_result result = inner == Inner::kSlsqp ? slsqp(watched, start, options)
-                                                     : rough_then_slsqp(inner, watched, start, options);
+  const nlopt_result result =
+      inner == Inner::kSlsqp ? slsqp(watched, start, options) : rough_then_slsqp(inner, watched, start, options);
   return watched.result(status_of(result));
 }
 

@@ -1,5 +1,4 @@
 #include <modsearch/solvers/solver.hpp>
-
 #include <utility>
 
 namespace modsearch {

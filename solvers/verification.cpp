@@ -16,8 +16,8 @@ void check_claims(const Claims& claims, const Evaluation& evaluation, std::vecto
     findings.push_back(fmt::format("the score is {:.9g}, not {:.9g} as claimed", evaluation.score, *claims.score));
   }
   if (claims.reached && *claims.reached != evaluation.attempt.reached) {
-    findings.push_back(fmt::format("reached is {}, not {} as claimed", yes_no(evaluation.attempt.reached),
-                                   yes_no(*claims.reached)));
+    findings.push_back(
+        fmt::format("reached is {}, not {} as claimed", yes_no(evaluation.attempt.reached), yes_no(*claims.reached)));
   }
   if (claims.achieved && *claims.achieved != evaluation.attempt.achieved) {
     findings.push_back(fmt::format("achieved is {}, not {} as claimed", yes_no(evaluation.attempt.achieved),
@@ -106,9 +106,9 @@ Verification verify(const RobotProblem& problem, const Design& design, const Cla
     const double resolution = problem.spec().planner.resolution / options.refinement;
     result.check = check_path(arm, problem.scene(), *result.path, resolution, problem.spec().planner.self_collision);
     if (!result.check->free) {
-      result.findings.push_back(fmt::format("the path is not free when looked at in steps of {:.3g} m: {}", resolution,
-                                            result.check->within_limits ? "a body overlaps something"
-                                                                        : "a joint leaves its limits"));
+      result.findings.push_back(
+          fmt::format("the path is not free when looked at in steps of {:.3g} m: {}", resolution,
+                      result.check->within_limits ? "a body overlaps something" : "a joint leaves its limits"));
     } else if (attempt.achieved) {
       result.level = "path";
     }

@@ -23,7 +23,7 @@ struct VerificationOptions {
 
 /// What became of checking a design from scratch.
 struct Verification {
-  bool verified = false;  ///< achieved at level path, the path is free when looked at finer, and all claims hold
+  bool verified = false;       ///< achieved at level path, the path is free when looked at finer, and all claims hold
   std::string level = "none";  ///< highest level that holds: "none", "posture", "path"
   std::vector<std::string> findings;  ///< one sentence per thing that is not as claimed or as asked
   Evaluation evaluation;              ///< at the problem's own level
@@ -32,9 +32,9 @@ struct Verification {
   std::optional<PathCheck> check;     ///< what the finer look found
 };
 
-/// Evaluates `design` again from scratch, at the problem's level and at level path, checks every segment of its path finer
-/// than the planner did, and holds the claims against the result. Nothing is taken over from the claims.
-/// Throws std::invalid_argument for a design outside the search space.
+/// Evaluates `design` again from scratch, at the problem's level and at level path, checks every segment of its path
+/// finer than the planner did, and holds the claims against the result. Nothing is taken over from the claims. Throws
+/// std::invalid_argument for a design outside the search space.
 [[nodiscard]] Verification verify(const RobotProblem& problem, const Design& design, const Claims& claims = {},
                                   const VerificationOptions& options = {});
 

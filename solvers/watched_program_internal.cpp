@@ -1,6 +1,5 @@
-#include <modsearch/solvers/watched_program_internal.hpp>
-
 #include <cmath>
+#include <modsearch/solvers/watched_program_internal.hpp>
 
 namespace modsearch {
 namespace {

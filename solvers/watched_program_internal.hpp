@@ -24,8 +24,8 @@ struct BestPoint {
                                       const InnerOptions& options, const Meter& meter);
 
 /// A program as a package gets to see it: points are moved into the bounds first, evaluations are counted in the meter,
-/// the best point so far is remembered. `evaluate` throws NotANumber where the program is not a number; other exceptions
-/// of the program come through. Adapters of packages that are not written for exceptions catch both.
+/// the best point so far is remembered. `evaluate` throws NotANumber where the program is not a number; other
+/// exceptions of the program come through. Adapters of packages that are not written for exceptions catch both.
 class WatchedProgram final : public SmoothProgram {
  public:
   /// All three must outlive it.

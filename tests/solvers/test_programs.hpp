@@ -41,15 +41,14 @@ class HockSchittkowski71 final : public TestProgram {
  private:
   void do_evaluate(const Eigen::VectorXd& x, Values& values) override {
     values.objective = x[0] * x[3] * (x[0] + x[1] + x[2]) + x[2];
-    values.gradient = Eigen::Vector4d{x[3] * (2.0 * x[0] + x[1] + x[2]), x[0] * x[3], x[0] * x[3] + 1.0,
-                                      x[0] * (x[0] + x[1] + x[2])};
+    values.gradient =
+        Eigen::Vector4d{x[3] * (2.0 * x[0] + x[1] + x[2]), x[0] * x[3], x[0] * x[3] + 1.0, x[0] * (x[0] + x[1] + x[2])};
     values.rows = Eigen::Vector2d{x[0] * x[1] * x[2] * x[3], x.squaredNorm()};
     values.jacobian.resize(2, 4);
     values.jacobian << x[1] * x[2] * x[3], x[0] * x[2] * x[3], x[0] * x[1] * x[3], x[0] * x[1] * x[2],  //
         2.0 * x[0], 2.0 * x[1], 2.0 * x[2], 2.0 * x[3];
   }
-  [[nodiscard]] Eigen::MatrixXd do_hessian(const Eigen::VectorXd& x, double factor,
-                                           const Eigen::VectorXd& y) override {
+  [[nodiscard]] Eigen::MatrixXd do_hessian(const Eigen::VectorXd& x, double factor, const Eigen::VectorXd& y) override {
     Eigen::Matrix4d f, product;
     f << 2.0 * x[3], x[3], x[3], 2.0 * x[0] + x[1] + x[2],  //
         x[3], 0.0, 0.0, x[0],                               //
@@ -63,9 +62,9 @@ class HockSchittkowski71 final : public TestProgram {
   }
 };
 
-/// min (1 - x)^2 + 100 (y - x^2)^2, (x, y) within `radius` of the origin. The minimiser of Rosenbrock's function, (1, 1),
-/// is inside for radius > sqrt 2; for radius 1 the optimum is 0.045674808 at (0.786415, 0.617698) (the known value of this
-/// textbook example: a line search along the circle gives it too).
+/// min (1 - x)^2 + 100 (y - x^2)^2, (x, y) within `radius` of the origin. The minimiser of Rosenbrock's function, (1,
+/// 1), is inside for radius > sqrt 2; for radius 1 the optimum is 0.045674808 at (0.786415, 0.617698) (the known value
+/// of this textbook example: a line search along the circle gives it too).
 class RosenbrockInBall final : public TestProgram {
  public:
   explicit RosenbrockInBall(double radius) {
@@ -116,8 +115,8 @@ class Infeasible final : public TestProgram {
 
 /// An arm of m segments: joint i turns about x, y or z of its frame, then the frame moves by length_i along its z.
 /// Variables (lengths [m], angles [rad]); objective the sum of the lengths; the tip within `radius` of a target.
-/// Derivatives by the geometric formulas: dp/dq_i = a_i x (p - o_i), d2p/dq_i dq_j = a_i x (a_j x (p - o_j)) for i <= j,
-/// dp/dl_k = d_k, d2p/dq_i dl_k = a_i x d_k for i <= k; positions are affine in the lengths.
+/// Derivatives by the geometric formulas: dp/dq_i = a_i x (p - o_i), d2p/dq_i dq_j = a_i x (a_j x (p - o_j)) for i <=
+/// j, dp/dl_k = d_k, d2p/dq_i dl_k = a_i x d_k for i <= k; positions are affine in the lengths.
 class ArmProgram final : public TestProgram {
  public:
   struct Spec {
@@ -252,8 +251,7 @@ class Wrapped final : public SmoothProgram {
     inner_.evaluate(v, values);
     if (after_) after_(v, values);
   }
-  [[nodiscard]] Eigen::MatrixXd do_hessian(const Eigen::VectorXd& v, double factor,
-                                           const Eigen::VectorXd& y) override {
+  [[nodiscard]] Eigen::MatrixXd do_hessian(const Eigen::VectorXd& v, double factor, const Eigen::VectorXd& y) override {
     return inner_.hessian(v, factor, y);
   }
   SmoothProgram& inner_;
