@@ -35,18 +35,18 @@ for solver in "${solvers[@]}"; do
   say "Solving $problem with $solver ..."
   options=()
   # Random search proves nothing and would use all the time it is given.
-  [[ $solver == random ]] && options=(--evaluations 20000)
-  answer "$modsearch" solve "$problem" --solver "$solver" --seed 0 --fidelity path "${options[@]}" --quiet --json \
+  [[ $solver == random ]] && options=(--evaluations 10000)
+  answer "$modsearch" solve "$problem" --solver "$solver" --seed 0 --fidelity path "${options[@]}" --json \
     --out "$(folder "$solver")" >"$answers/answer.json"
   jq --arg asked "$solver" '. + {asked: $asked}' "$answers/answer.json" >>"$rows" || die "$solver gave no JSON."
 done
 
-# Achieving designs first, then by score, as everywhere in modsearch.
-ranked=$(jq -s 'sort_by([(.achieved | not), -(.score // -infinite)])' "$rows")
+# Achieving designs first, then by score, as everywhere in modsearch; scores equal to six digits by time.
+ranked=$(jq -s 'sort_by([(.achieved | not), -((.score // -1e9) * 1e6 | round), .seconds])' "$rows")
 printf '\n%-30s %9s %8s %9s %9s %9s %12s %9s %9s\n' \
   solver score modules 'mass [kg]' achieved verified evaluations seconds regret
 jq -r 'def yes: if . then "yes" else "no" end;
-       .[0].score as $best
+       (map(select(.achieved).score) | max) as $best
        | .[] | [.asked, .score // "nan", .modules, .mass_kg // "nan", (.achieved | yes), (.verified | yes),
                 .evaluations, .seconds, if .achieved then $best - .score else "nan" end] | @tsv' <<<"$ranked" |
   while IFS=$'\t' read -r solver score modules mass achieved verified evaluations seconds regret; do
