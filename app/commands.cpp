@@ -70,7 +70,10 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   record.X_WB = problem->spec().X_WB;
   record.evaluation = solution.evaluation;
   if (verification) record.verified = verification->level;
-  if (verification && verification->path) record.evaluation.attempt.path = verification->path;
+  if (verification && verification->path) {
+    record.evaluation.attempt.path = verification->path;
+    record.evaluation.attempt.goal_waypoints = verification->path_evaluation.attempt.goal_waypoints;
+  }
   record.solver = chosen.name;
   record.solver_options = chosen.options;
   record.seed = arguments.seed;

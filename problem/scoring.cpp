@@ -25,7 +25,8 @@ std::string_view name(TermId id) {
   return "";
 }
 
-void Terms::add(TermId id, double value) { terms_.at(size_++) = {id, value}; }
+// Adding 0 turns -0 into 0, which is what people expect to read.
+void Terms::add(TermId id, double value) { terms_.at(size_++) = {id, value + 0.0}; }
 
 double Terms::sum() const {
   double total = 0.0;

@@ -1,0 +1,223 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/command.hpp"
+
+namespace modsearch {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using testing::modsearch;
+using testing::Outcome;
+using testing::read_text;
+using testing::TemporaryFolder;
+
+void write(const std::string& file, const std::string& text) { std::ofstream{file} << text; }
+
+json far_problem() {
+  return {{"modsearch", 1},
+          {"library", "seed"},
+          {"maxModules", 10},
+          {"collision", "posture"},
+          {"scoring", {{"type", "algorithm1"}}},
+          {"task",
+           {{"header", {{"ID", "far"}, {"version", "2022"}, {"timeStepSize", 0.01}, {"gravity", {0, 0, -9.81}}}},
+            {"obstacles", json::array()},
+            {"constraints", json::array()},
+            {"goals",
+             {{{"ID", "1"},
+               {"type", "reach"},
+               {"goalPose",
+                {{"nominal", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 50}, {0, 0, 0, 1}}},
+                 {"toleranceProjection", {"r_sph"}},
+                 {"tolerance", {{0, 0.001}}}}}}}}}}};
+}
+
+TEST(Solve, WritesASolutionATraceAndAPageThatVerify) {
+  const TemporaryFolder folder;
+  const Outcome solved = modsearch({"solve", "seed/random_obstacles", "--instance", "0:3", "--out", folder / "out"}, folder);
+  EXPECT_EQ(solved.status, 0) << solved.err;
+  EXPECT_THAT(solved.out, HasSubstr("achieved"));
+  EXPECT_THAT(solved.out, HasSubstr("verified     path"));
+  EXPECT_THAT(read_text(folder / "out/trace.csv"), StartsWith("evaluations,seconds,score,achieved\n"));
+  EXPECT_THAT(read_text(folder / "out/view.html"), HasSubstr("<!DOCTYPE html>"));
+  const json solution = json::parse(read_text(folder / "out/solution.json"));
+  EXPECT_EQ(solution.at("problem"), "seed/random_obstacles");
+  EXPECT_EQ(solution.at("instance").at("index"), 3);
+  EXPECT_EQ(solution.at("verified"), "path");
+
+  const Outcome verified = modsearch({"verify", folder / "out/solution.json"}, folder);
+  EXPECT_EQ(verified.status, 0) << verified.out << verified.err;
+  EXPECT_THAT(verified.out, StartsWith("verified"));
+}
+
+TEST(Solve, SpeaksJsonAndNothingElseOnStdout) {
+  const TemporaryFolder folder;
+  for (const char* solver : {"auto", "per-sequence:inner=ipopt,starts=2", "per-sequence:inner=ceres"}) {
+    const Outcome solved = modsearch({"solve", "seed/fixed", "--solver", solver, "--json", "--quiet"}, folder);
+    EXPECT_EQ(solved.status, 0);
+    const json answer = json::parse(solved.out);
+    EXPECT_GE(answer.at("score").get<double>(), 341.91) << solver;
+    EXPECT_EQ(answer.at("modules"), 2);
+    EXPECT_EQ(answer.at("achieved"), true);
+    EXPECT_EQ(answer.at("verified"), true);
+    EXPECT_EQ(answer.at("design").at(0).at("type"), "hinge");
+    EXPECT_EQ(solved.err, "") << solver;
+  }
+}
+
+TEST(Solve, GivesTheSameAnswerTwice) {
+  const TemporaryFolder folder;
+  const auto answer = [&] {
+    json result = json::parse(modsearch({"solve", "seed/random_wide", "--instance", "7:1", "--solver", "random",
+                                         "--evaluations", "2000", "--seed", "3", "--json"},
+                                        folder)
+                                  .out);
+    result.erase("seconds");
+    return result;
+  };
+  EXPECT_EQ(answer(), answer());
+}
+
+TEST(Solve, EndsWithOneAndTheReasonForATargetBeyondEveryReach) {
+  const TemporaryFolder folder;
+  write(folder / "far.json", far_problem().dump());
+  const Outcome solved = modsearch({"solve", folder / "far.json"}, folder);
+  EXPECT_EQ(solved.status, 1) << solved.err;
+  EXPECT_THAT(solved.out, HasSubstr("unreachable"));
+  EXPECT_THAT(solved.out, HasSubstr("50 m away from the base"));
+}
+
+TEST(Solve, StopsOnCtrlCAndWritesWhatThereIs) {
+  const TemporaryFolder folder;
+  const testing::Child child{{"solve", "seed/fixed", "--solver", "random", "--evaluations", "1000000000", "--json", "--out",
+                              folder / "out"},
+                             folder.path()};
+  std::this_thread::sleep_for(std::chrono::milliseconds{700});  // for the program to have begun; a second is no limit
+  child.interrupt();
+  const Outcome outcome = child.wait();
+  EXPECT_EQ(outcome.status, 130);
+  EXPECT_EQ(json::parse(outcome.out).at("stop"), "interrupted");
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/solution.json"));
+}
+
+TEST(Solve, HonoursABudgetOfSeconds) {
+  const TemporaryFolder folder;
+  const Outcome solved = modsearch({"solve", "seed/fixed", "--solver", "random", "--seconds", "0.2", "--json"}, folder);
+  const json answer = json::parse(solved.out);
+  EXPECT_EQ(answer.at("stop"), "seconds");
+  EXPECT_GE(answer.at("seconds").get<double>(), 0.2);
+}
+
+TEST(Solve, RaisesTheCollisionLevelToPathOnDemand) {
+  const TemporaryFolder folder;
+  const Outcome solved = modsearch({"solve", "seed/fixed", "--fidelity", "path", "--json", "--out", folder / "out"}, folder);
+  EXPECT_EQ(solved.status, 0);
+  const json solution = json::parse(read_text(folder / "out/solution.json"));
+  EXPECT_GE(solution.at("trajectory").at("q").size(), 2u);
+}
+
+TEST(Verify, RefusesATamperedScore) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder).status, 0);
+  json solution = json::parse(read_text(folder / "out/solution.json"));
+  solution["score"] = 345.0;
+  write(folder / "out/solution.json", solution.dump());
+  const Outcome verified = modsearch({"verify", folder / "out/solution.json"}, folder);
+  EXPECT_EQ(verified.status, 1) << verified.err;
+  EXPECT_THAT(verified.out, HasSubstr("345"));
+}
+
+TEST(Verify, RefusesADesignThatMissesTheTarget) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder).status, 0);
+  json solution = json::parse(read_text(folder / "out/solution.json"));
+  solution["design"][0]["parameters"]["distal"] = 1.3;
+  write(folder / "out/solution.json", solution.dump());
+  const Outcome verified = modsearch({"verify", folder / "out/solution.json"}, folder);
+  EXPECT_EQ(verified.status, 1) << verified.err;
+  EXPECT_THAT(verified.out, HasSubstr("unreachable"));
+}
+
+TEST(Evaluate, ShowsTheScoreTermByTerm) {
+  const TemporaryFolder folder;
+  write(folder / "design.json", R"([{"type": "hinge", "parameters": {"proximal": 0.5, "distal": 1.118}}])");
+  const Outcome text = modsearch({"evaluate", "seed/fixed", folder / "design.json"}, folder);
+  EXPECT_EQ(text.status, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("reached    +350"));
+  const json answer = json::parse(modsearch({"evaluate", "seed/fixed", folder / "design.json", "--json"}, folder).out);
+  double sum = 0.0;
+  for (const json& term : answer.at("terms")) sum += term.at("value").get<double>();
+  EXPECT_DOUBLE_EQ(sum, answer.at("score"));
+  EXPECT_NEAR(sum, 350.0 - 5.0 * 1.618, 1e-9);
+}
+
+TEST(Evaluate, EndsWithZeroForAnyValidDesign) {
+  const TemporaryFolder folder;
+  write(folder / "empty.json", "[]");
+  EXPECT_EQ(modsearch({"evaluate", "seed/fixed", folder / "empty.json"}, folder).status, 0);
+}
+
+TEST(Render, MakesThePageOfASolution) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder).status, 0);
+  const Outcome rendered = modsearch({"render", folder / "out/solution.json", "--out", folder / "page"}, folder);
+  EXPECT_EQ(rendered.status, 0) << rendered.err;
+  EXPECT_THAT(read_text(folder / "page/view.html"), HasSubstr("<!DOCTYPE html>"));
+}
+
+TEST(List, ShowsSolversWithOptionsAndProblems) {
+  const TemporaryFolder folder;
+  const Outcome solvers = modsearch({"list", "solvers"}, folder);
+  EXPECT_EQ(solvers.status, 0);
+  for (const char* name : {"auto", "random", "per-sequence", "ipopt|slsqp", "starts"}) {
+    EXPECT_THAT(solvers.out, HasSubstr(name));
+  }
+  const json problems = json::parse(modsearch({"list", "problems", "--json"}, folder).out);
+  EXPECT_EQ(problems.size(), 4u);
+  EXPECT_EQ(problems.at(0).at("id"), "seed/fixed");
+}
+
+TEST(BadUsage, EndsWithTwoAndOneSentence) {
+  const TemporaryFolder folder;
+  write(folder / "broken.json", "{\"modsearch\": 1,");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"solve", "no/such.json"}, "no/such.json"},
+      {{"solve", folder / "broken.json"}, "broken.json"},
+      {{"solve", "seed/fixed", "--solver", "magic"}, "'magic' is not one of auto, random, per-sequence"},
+      {{"solve", "seed/fixed", "--solver", "per-sequence:inner=magic"}, "inner=magic"},
+      {{"solve", "seed/fixed", "--solver", "per-sequence:starts=0"}, "starts=0: not an integer in [1, 100000]"},
+      {{"solve", "seed/fixed", "--solver", "random:x=1"}, "no option 'x'"},
+      {{"solve", "seed/fixed", "--instance", "3"}, "SEED:INDEX"},
+      {{"solve", "seed/fixed", "--evaluations", "-1"}, "--evaluations"},
+      {{"solve", "seed/fixed", "--fidelity", "high"}, "--fidelity"},
+      {{"evaluate", "seed/fixed", folder / "broken.json"}, "broken.json"},
+      {{"verify", folder / "broken.json"}, "broken.json"},
+      {{"list", "planets"}, "planets"},
+      {{"fly"}, "fly"},
+  };
+  for (const auto& [arguments, part] : cases) {
+    const Outcome outcome = modsearch(arguments, folder);
+    EXPECT_EQ(outcome.status, 2) << arguments.back();
+    EXPECT_THAT(outcome.err, StartsWith("modsearch: "));
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST(Help, ShowsAnExampleForEverySubcommand) {
+  const TemporaryFolder folder;
+  for (const char* command : {"solve", "evaluate", "verify", "render", "list"}) {
+    const Outcome help = modsearch({command, "--help"}, folder);
+    EXPECT_EQ(help.status, 0);
+    EXPECT_THAT(help.out, HasSubstr(std::string{"Example:\n  modsearch "} + command));
+  }
+}
+
+}  // namespace
+}  // namespace modsearch
