@@ -40,7 +40,8 @@ inline Chain seed_chain(const std::string& types, double limit = kPi) {
   int parameter = 0;
   for (int module = 0; module < static_cast<int>(types.size()); ++module) {
     const char type = types[static_cast<std::size_t>(module)];
-    const std::string name = std::string(1, type) + std::to_string(module);
+    std::string name{type};
+    name += std::to_string(module);
     const int proximal = parameter++;
     const int inner = cylinder(name + " proximal", module, proximal, 0.0);
     builder.move(along_z(AffineScalar::of_parameter(proximal)));
