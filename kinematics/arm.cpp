@@ -1,21 +1,21 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <modsearch/kinematics/arm.hpp>
+#include <optional>
 #include <stdexcept>
 
 namespace modsearch {
 namespace {
 
-double least_size(const Shape& shape) {
-  struct Visitor {
-    double operator()(const Sphere& s) const { return s.radius; }
-    double operator()(const Box& b) const { return b.size.minCoeff(); }
-    double operator()(const Cylinder& c) const { return std::min(c.radius, c.length); }
-    double operator()(const Capsule& c) const { return std::min(c.radius, c.length); }
-    double operator()(const Mesh&) const { return 0.0; }
-  };
-  return std::visit(Visitor{}, shape);
+// The first size that is not a length: negative, infinite or not a number.
+std::optional<double> impossible_size(const AffineShape& shape, const Eigen::VectorXd& x) {
+  for (const AffineScalar& size : shape.size) {
+    const double value = size.at(x);
+    if (!(value >= 0.0 && std::isfinite(value))) return value;
+  }
+  return std::nullopt;
 }
 
 // Rotates the frame about its own z axis: only its first two columns change.
@@ -53,6 +53,10 @@ void Arm::set_parameters(const Eigen::VectorXd& x) {
     throw std::invalid_argument(
         fmt::format("Arm: {} parameters given, the chain has {}", x.size(), chain_->n_parameters()));
   }
+  if (!x.allFinite()) {
+    const auto bad = std::find_if(x.begin(), x.end(), [](double value) { return !std::isfinite(value); });
+    throw std::invalid_argument(fmt::format("Arm: parameter {} is {}", bad - x.begin(), *bad));
+  }
   x_ = x;
   for (int j = 0; j <= n_joints(); ++j) {
     const AffinePose& segment = chain_->segment(j);
@@ -65,10 +69,9 @@ void Arm::set_parameters(const Eigen::VectorXd& x) {
     for (const BodyGeometry& geometry : body.geometries) {
       ArmGeometry& filled = geometries_[index++];
       filled.shape = geometry.shape.at(x);
-      if (!(least_size(filled.shape) >= 0.0)) {  // catches NaN too
+      if (const std::optional<double> size = impossible_size(geometry.shape, x)) {
         throw std::invalid_argument(
-            fmt::format("Arm: body '{}' has a size of {} m at the given parameters", body.name,
-                        least_size(filled.shape)));
+            fmt::format("Arm: body '{}' has a size of {} m at the given parameters", body.name, *size));
       }
       filled.X_FG.linear() = geometry.X_FG.rotation;
       filled.X_FG.translation() = geometry.X_FG.translation.at(x);

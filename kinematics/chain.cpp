@@ -28,7 +28,8 @@ Eigen::VectorXd Chain::clamped(const Eigen::VectorXd& q) const {
     const Joint& joint = joints_[static_cast<std::size_t>(j)];
     if (joint.full_circle() && (q[j] < joint.lower || q[j] > joint.upper)) {
       constexpr double kTurn = 2.0 * std::numbers::pi;
-      result[j] = q[j] - kTurn * std::floor((q[j] - joint.lower) / kTurn);  // in [lower, lower + turn]
+      result[j] = std::isfinite(joint.lower) ? q[j] - kTurn * std::floor((q[j] - joint.lower) / kTurn)
+                                             : q[j] - kTurn * std::ceil((q[j] - joint.upper) / kTurn);
     }
     result[j] = std::clamp(result[j], joint.lower, joint.upper);
   }

@@ -34,34 +34,6 @@ void make_finite(ReachLink& link, double span) {
   }
 }
 
-// One joint: the target's nearest point on an arc or a segment, in closed form.
-NearestList minima_1(const ReachProblem& problem) {
-  const ReachLink& link = problem.links[0];
-  const Eigen::Vector3d& t = problem.target;
-  NearestList result;
-  const auto add = [&](double q) {
-    const Eigen::Vector3d tip = link.rotates
-                                    ? Eigen::Vector3d{std::cos(q) * link.p.x() - std::sin(q) * link.p.y(),
-                                                      std::sin(q) * link.p.x() + std::cos(q) * link.p.y(), link.p.z()}
-                                    : Eigen::Vector3d{link.p.x(), link.p.y(), link.p.z() + q};
-    result.add({{q, 0.0, 0.0}, (tip - t).norm()});
-  };
-  if (!link.rotates) {
-    add(std::clamp(t.z() - link.p.z(), link.lower, link.upper));
-    return result;
-  }
-  double q = std::atan2(t.y() * link.p.x() - t.x() * link.p.y(), t.x() * link.p.x() + t.y() * link.p.y());
-  q -= kTurn * std::floor((q - link.lower) / kTurn);
-  if (q <= link.upper) {
-    add(q);
-  } else {
-    add(link.lower);
-    if (link.upper > link.lower) add(link.upper);
-    if (result.size() == 2 && result[1].distance < result[0].distance) std::swap(result[0], result[1]);
-  }
-  return result;
-}
-
 // Whether every posture of a one-joint chain is within `tie` of the least distance: target or tip on the axis.
 bool all_equal_1(const ReachProblem& problem, double tie) {
   const ReachLink& link = problem.links[0];
@@ -262,7 +234,7 @@ ReachJoints with_joint_inserted(const ReachJoints& q, int k, double value) {
 
 Nearest nearest(const ReachProblem& problem, ReachWork& work) {
   if (problem.n == 0) return {ReachJoints::Zero(), problem.target.norm()};
-  if (problem.n == 1) return minima_1(problem)[0];
+  if (problem.n == 1) return one_joint_minima(problem)[0];
   if (const std::optional<Coaxial> pair = find_coaxial(problem)) {
     return plain_split(*pair, nearest(merged(problem, *pair), work));
   }
@@ -325,7 +297,7 @@ std::vector<Nearest> family(const ReachProblem& problem, int k, double limit, do
 std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int family_points, ReachWork& work) {
   if (problem.n == 0) return {{ReachJoints::Zero(), problem.target.norm()}};
   if (problem.n == 1) {
-    const NearestList list = minima_1(problem);
+    const NearestList list = one_joint_minima(problem);
     std::vector<Nearest> result;
     for (const Nearest& item : list) {
       if (item.distance <= list[0].distance + tie) result.push_back(item);

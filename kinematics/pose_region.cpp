@@ -160,9 +160,8 @@ double outside(const Tolerance& tolerance, double value) {
   if (turns(tolerance.projection) && std::isfinite(lower) && std::isfinite(upper)) {
     value -= 2.0 * kPi * std::round((value - 0.5 * (lower + upper)) / (2.0 * kPi));
   }
-  if (value > upper) return value - upper;
   if (value < lower) return value - lower;
-  return 0.0;
+  return value <= upper ? 0.0 : value - upper;  // NaN stays NaN
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ class Search {
     if (problem_.n == 3) from_roots();
     // The roots are all postures at distance zero.
     if (!touches()) from_grid();
-    if (!touches() && problem_.n == 3) from_limits();
+    if (!touches()) from_limits();
     std::stable_sort(minima_.begin(), minima_.end(), [](const Minimum& a, const Minimum& b) {
       return a.nearest.distance < b.nearest.distance;
     });
@@ -58,6 +58,7 @@ class Search {
 
  private:
   static constexpr int kDepth = 3;
+  static constexpr double kTied = 1e-8;  // [m]; wider than any tie that is asked for
 
   [[nodiscard]] bool touches() const { return best_ < 1e-12 * (1.0 + problem_.target.norm()); }
   [[nodiscard]] bool finished() const { return !all_ && touches(); }
@@ -87,10 +88,13 @@ class Search {
       if (link.full_circle) continue;
       for (const double value : {link.lower, link.upper}) {
         const ReachProblem face = with_joint_fixed(problem_, k, value);
-        for (const Minimum& minimum : minima(face, all_, work_)) {
-          if (minimum.nearest.distance <= best_ + 1e-9) {
-            descend_from(with_joint_inserted(minimum.nearest.q, k, value), kDepth);
-          }
+        const auto try_one = [&](const Nearest& item) {
+          if (item.distance <= best_ + kTied) descend_from(with_joint_inserted(item.q, k, value), kDepth);
+        };
+        if (face.n == 1) {
+          for (const Nearest& item : one_joint_minima(face)) try_one(item);
+        } else {
+          for (const Minimum& minimum : minima(face, all_, work_)) try_one(minimum.nearest);
         }
       }
     }
@@ -121,6 +125,33 @@ class Search {
 };
 
 }  // namespace
+
+NearestList one_joint_minima(const ReachProblem& problem) {
+  const ReachLink& link = problem.links[0];
+  const Eigen::Vector3d& t = problem.target;
+  NearestList result;
+  const auto add = [&](double q) {
+    const Eigen::Vector3d tip = link.rotates
+                                    ? Eigen::Vector3d{std::cos(q) * link.p.x() - std::sin(q) * link.p.y(),
+                                                      std::sin(q) * link.p.x() + std::cos(q) * link.p.y(), link.p.z()}
+                                    : Eigen::Vector3d{link.p.x(), link.p.y(), link.p.z() + q};
+    result.add({{q, 0.0, 0.0}, (tip - t).norm()});
+  };
+  if (!link.rotates) {
+    add(std::clamp(t.z() - link.p.z(), link.lower, link.upper));
+    return result;
+  }
+  double q = std::atan2(t.y() * link.p.x() - t.x() * link.p.y(), t.x() * link.p.x() + t.y() * link.p.y());
+  q -= kTurn * std::floor((q - link.lower) / kTurn);
+  if (q <= link.upper) {
+    add(q);
+  } else {
+    add(link.lower);
+    if (link.upper > link.lower) add(link.upper);
+    if (result.size() == 2 && result[1].distance < result[0].distance) std::swap(result[0], result[1]);
+  }
+  return result;
+}
 
 std::vector<Minimum> minima(const ReachProblem& problem, bool all, ReachWork& work) {
   return Search{problem, all, work}.run();

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <modsearch/kinematics/exact_reach_internal.hpp>
 #include <modsearch/kinematics/reach_search_internal.hpp>
 #include <numbers>
@@ -12,7 +11,6 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 // Points per joint; see docs/inverse_kinematics.md for what they were measured against.
 constexpr int kPointsOfOne = 64;  // one joint besides joint 0
 constexpr int kPointsOfTwo = 24;  // each of two joints besides joint 0
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Values of one joint on a regular grid, and the two numbers its motion is linear in: p(q) = P0 + a P1 + b P2.
 template <int N>
@@ -48,33 +46,25 @@ Eigen::Vector3d moved(const ReachLink& link, double a, double b, const Eigen::Ve
   return {a * v.x() - b * v.y(), b * v.x() + a * v.y(), v.z()};
 }
 
-// Squared distance of the target from the curve that a point p of frame 0 sweeps when joint 0 moves.
+// Squared distance of the target from the circle or line that a point p of frame 0 sweeps when joint 0 moves freely. Its
+// limits are left to their own search: a minimum inside them is a minimum without them, while the distance under limits
+// has kinks where the nearest end changes, and two minima as close together as one likes on their two sides.
 class Sweep {
  public:
-  explicit Sweep(const ReachProblem& problem) : link_{problem.links[0]}, t_{problem.target} {
-    rho_ = std::hypot(t_.x(), t_.y());
-    if (link_.rotates && !link_.full_circle) {
-      lower_ = {std::cos(link_.lower), std::sin(link_.lower)};
-      upper_ = {std::cos(link_.upper), std::sin(link_.upper)};
-      wide_ = link_.upper - link_.lower > 0.5 * kTurn;
-    }
-  }
+  explicit Sweep(const ReachProblem& problem)
+      : link_{problem.links[0]}, t_{problem.target}, rho_{std::hypot(t_.x(), t_.y())} {}
 
   template <int N>
   void squared_distance(const Eigen::Array<double, N, 1>& x, const Eigen::Array<double, N, 1>& y,
                         const Eigen::Array<double, N, 1>& z, Eigen::Array<double, N, 1>& result) const {
-    if (link_.full_circle) {
+    if (link_.rotates) {
       result = ((x.square() + y.square()).sqrt() - rho_).square() + (z - t_.z()).square();
-    } else if (link_.rotates) {
-      for (int k = 0; k < N; ++k) result[k] = of_sector(x[k], y[k], z[k]);
     } else {
-      const auto along = t_.z() - z;
-      result =
-          (x - t_.x()).square() + (y - t_.y()).square() + (along - along.max(link_.lower).min(link_.upper)).square();
+      result = (x - t_.x()).square() + (y - t_.y()).square();
     }
   }
 
-  // The value of joint 0 that brings p closest.
+  // The value of joint 0 within its limits that brings p closest.
   [[nodiscard]] double best_value(const Eigen::Vector3d& p) const {
     if (!link_.rotates) return std::clamp(t_.z() - p.z(), link_.lower, link_.upper);
     double q = std::atan2(t_.y() * p.x() - t_.x() * p.y(), t_.x() * p.x() + t_.y() * p.y());
@@ -84,30 +74,9 @@ class Sweep {
   }
 
  private:
-  struct Direction {
-    double c = 1.0;
-    double s = 0.0;
-  };
-
-  [[nodiscard]] double of_sector(double x, double y, double z) const {
-    const double dz = z - t_.z();
-    // u: the turn from p to the target, as a complex number.
-    const double uc = t_.x() * x + t_.y() * y;
-    const double us = t_.y() * x - t_.x() * y;
-    const double after_lower = lower_.c * us - lower_.s * uc;
-    const double before_upper = uc * upper_.s - us * upper_.c;
-    const bool inside = wide_ ? after_lower >= 0.0 || before_upper >= 0.0 : after_lower >= 0.0 && before_upper >= 0.0;
-    const double squares = x * x + y * y + rho_ * rho_;
-    const double product =
-        inside ? std::sqrt(uc * uc + us * us) : std::max(uc * lower_.c + us * lower_.s, uc * upper_.c + us * upper_.s);
-    return std::max(0.0, squares - 2.0 * product) + dz * dz;
-  }
-
   const ReachLink& link_;
   Eigen::Vector3d t_;
-  double rho_ = 0.0;
-  Direction lower_, upper_;
-  bool wide_ = false;
+  double rho_;
 };
 
 // One row of the grid: joint 1 runs, `w` is the tip in the frame that moves with joint 1.
@@ -174,14 +143,16 @@ NearestList grid_minima_2(const ReachProblem& problem) {
 
   NearestList minima;
   for (int k = 0; k < kColumns; ++k) {
-    const double before = k > 0 ? row[k - 1] : (axis.periodic ? row[kColumns - 1] : kInfinity);
-    const double after = k + 1 < kColumns ? row[k + 1] : (axis.periodic ? row[0] : kInfinity);
-    if (row[k] < before && row[k] <= after) {
-      minima.add({grid_start(sweep, problem, axis.q[k], 0.0), std::sqrt(row[k])});
-    }
+    const auto bettered_by = [&](int other) {
+      if (other < 0 || other >= kColumns) {
+        if (!axis.periodic) return false;
+        other = other < 0 ? kColumns - 1 : 0;
+      }
+      return row[other] < row[k] || (row[other] == row[k] && other < k);
+    };
+    if (bettered_by(k - 1) || bettered_by(k + 1)) continue;
+    minima.add({grid_start(sweep, problem, axis.q[k], 0.0), std::sqrt(row[k])});
   }
-  // A constant row (up to the ties above) has no such point.
-  if (minima.size() == 0) minima.add({grid_start(sweep, problem, axis.q[0], 0.0), std::sqrt(row[0])});
   return minima;
 }
 
@@ -201,42 +172,29 @@ NearestList grid_minima_3(const ReachProblem& problem) {
   }
 
   NearestList minima;
-  const auto value = [&](int i, int k) {
-    if (i < 0 || i >= kRows) {
-      if (!axis2.periodic) return kInfinity;
-      i = i < 0 ? kRows - 1 : 0;
-    }
-    if (k < 0 || k >= kColumns) {
-      if (!axis1.periodic) return kInfinity;
-      k = k < 0 ? kColumns - 1 : 0;
-    }
-    return grid[static_cast<std::size_t>(i)][k];
-  };
-  double least = kInfinity;
-  int least_i = 0;
-  int least_k = 0;
   for (int i = 0; i < kRows; ++i) {
-    const auto& row = grid[static_cast<std::size_t>(i)];
     for (int k = 0; k < kColumns; ++k) {
-      const double v = row[k];
-      if (v < least) {
-        least = v;
-        least_i = i;
-        least_k = k;
+      const double value = grid[static_cast<std::size_t>(i)][k];
+      // Equal values count for the first of them, or a plateau would have no minimum, or very many.
+      const auto bettered_by = [&](int other_i, int other_k) {
+        if (other_i < 0 || other_i >= kRows) {
+          if (!axis2.periodic) return false;
+          other_i = other_i < 0 ? kRows - 1 : 0;
+        }
+        if (other_k < 0 || other_k >= kColumns) {
+          if (!axis1.periodic) return false;
+          other_k = other_k < 0 ? kColumns - 1 : 0;
+        }
+        const double other = grid[static_cast<std::size_t>(other_i)][other_k];
+        return other < value || (other == value && other_i * kColumns + other_k < i * kColumns + k);
+      };
+      if (bettered_by(i, k - 1) || bettered_by(i, k + 1) || bettered_by(i - 1, k) || bettered_by(i + 1, k)) continue;
+      if (bettered_by(i - 1, k - 1) || bettered_by(i - 1, k + 1) || bettered_by(i + 1, k - 1) ||
+          bettered_by(i + 1, k + 1)) {
+        continue;
       }
-      if (!(v < value(i, k - 1) && v <= value(i, k + 1))) continue;
-      if (v < value(i - 1, k) && v <= value(i + 1, k) && v < value(i - 1, k - 1) && v < value(i - 1, k + 1) &&
-          v <= value(i + 1, k - 1) && v <= value(i + 1, k + 1)) {
-        minima.add({grid_start(sweep, problem, axis1.q[k], axis2.q[i]), std::sqrt(v)});
-      }
+      minima.add({grid_start(sweep, problem, axis1.q[k], axis2.q[i]), std::sqrt(value)});
     }
-  }
-  // On a plateau the strict comparisons may leave nothing, or not the best.
-  bool has_least = false;
-  for (const Nearest& m : minima) has_least = has_least || m.distance * m.distance <= least * (1.0 + 1e-9);
-  if (!has_least) {
-    if (minima.size() == NearestList::kCapacity) minima.resize(NearestList::kCapacity - 1);
-    minima.add({grid_start(sweep, problem, axis1.q[least_k], axis2.q[least_i]), std::sqrt(least)});
   }
   return minima;
 }
