@@ -26,12 +26,14 @@ std::vector<std::string> ids(std::span<const BuiltinFile> files) {
 std::optional<std::string_view> builtin_library(std::string_view id) { return text_of(kBuiltinLibraries, id); }
 std::optional<std::string_view> builtin_problem(std::string_view id) { return text_of(kBuiltinProblems, id); }
 
-void require_file_or_id(const std::filesystem::path& file, std::string_view what, const std::vector<std::string>& known) {
+void require_file_or_id(const std::filesystem::path& file, std::string_view what,
+                        const std::vector<std::string>& known) {
   std::error_code error;
   if (std::filesystem::exists(file, error) || error) return;  // what is wrong with a file is said by its reader
   std::string list;
   for (const std::string& id : known) list += (list.empty() ? "" : ", ") + id;
-  throw FileError(fmt::format("{}: there is no such file and no built-in {} with this ID (known: {})", file.string(), what, list));
+  throw FileError(
+      fmt::format("{}: there is no such file and no built-in {} with this ID (known: {})", file.string(), what, list));
 }
 
 }  // namespace detail

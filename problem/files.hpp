@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <modsearch/problem/robot_problem.hpp>
 #include <modsearch/problem/rng.hpp>
+#include <modsearch/problem/robot_problem.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -80,7 +80,7 @@ struct SolutionRecord {
   std::optional<Eigen::Vector3d> target;  ///< of the instance
   Design design;
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
-  Evaluation evaluation;  ///< score, terms, attempt with postures and path
+  Evaluation evaluation;          ///< score, terms, attempt with postures and path
   std::string verified = "none";  ///< "none", "posture", "path"
   std::string solver;
   std::vector<std::pair<std::string, std::string>> solver_options;

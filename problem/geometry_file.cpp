@@ -61,7 +61,8 @@ AffineScalar read_affine(const JsonCursor& cursor, const ParameterList& paramete
 
 AffineVector read_affine_vector(const JsonCursor& cursor, const ParameterList& parameters) {
   const std::vector<JsonCursor> entries = cursor.items(3);
-  return {read_affine(entries[0], parameters), read_affine(entries[1], parameters), read_affine(entries[2], parameters)};
+  return {read_affine(entries[0], parameters), read_affine(entries[1], parameters),
+          read_affine(entries[2], parameters)};
 }
 
 AffinePose read_affine_pose(const JsonCursor& cursor, const ParameterList& parameters) {

@@ -22,6 +22,7 @@ using ParameterList = std::vector<ParameterRange>;
 [[nodiscard]] BodyGeometry read_geometry(const JsonCursor& cursor, const ParameterList& parameters);
 
 /// Triangles of `file` (any format assimp reads) scaled by `scale` per axis. Throws std::runtime_error (what, limit).
-[[nodiscard]] std::shared_ptr<const TriangleMesh> load_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale);
+[[nodiscard]] std::shared_ptr<const TriangleMesh> load_mesh(const std::filesystem::path& file,
+                                                            const Eigen::Vector3d& scale);
 
 }  // namespace modsearch::detail

@@ -10,8 +10,8 @@
 namespace modsearch::detail {
 namespace {
 
-constexpr std::array<std::string_view, 9> kFreeTextKeys = {"author", "email",       "affiliation", "acknowledgement", "notes",
-                                                           "tags",   "publication", "date",        "visual"};
+constexpr std::array<std::string_view, 9> kFreeTextKeys = {
+    "author", "email", "affiliation", "acknowledgement", "notes", "tags", "publication", "date", "visual"};
 
 std::string escaped(const std::string& key) {
   std::string result;
@@ -208,7 +208,8 @@ Eigen::Isometry3d JsonCursor::pose() const {
   Eigen::Matrix4d matrix;
   const std::vector<JsonCursor> rows = items(4);
   for (std::size_t i = 0; i < 4; ++i) matrix.row(static_cast<Eigen::Index>(i)) = rows[i].vector(4);
-  if (!matrix.row(3).isApprox(Eigen::RowVector4d::UnitW(), 1e-6)) rows[3].fail_value("[0, 0, 0, 1], the last row of a pose");
+  if (!matrix.row(3).isApprox(Eigen::RowVector4d::UnitW(), 1e-6))
+    rows[3].fail_value("[0, 0, 0, 1], the last row of a pose");
   const std::optional<Eigen::Matrix3d> rotation = nearest_rotation(matrix.topLeftCorner<3, 3>());
   if (!rotation) fail("the upper left 3x3 of the pose is not a rotation (limit: within 1e-6)");
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();

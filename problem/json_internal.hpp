@@ -1,6 +1,7 @@
 #pragma once
 
-// Reading JSON so that every complaint is one sentence with file, place, value and limit. Internal to the problem floor.
+// Reading JSON so that every complaint is one sentence with file, place, value and limit. Internal to the problem
+// floor.
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -20,8 +21,8 @@ using Json = nlohmann::json;
 
 /// Where a document comes from, for messages and for the files it refers to.
 struct JsonSource {
-  std::string label;                 ///< the file the user gave; "given -> referred" for one that another refers to
-  std::filesystem::path directory;   ///< relative paths in the document start here
+  std::string label;                ///< the file the user gave; "given -> referred" for one that another refers to
+  std::filesystem::path directory;  ///< relative paths in the document start here
 };
 
 /// What a number may be; both ends belong to it. Infinity is never allowed unless said so.
@@ -110,7 +111,8 @@ inline constexpr std::uintmax_t kLargestJsonFile = 64U << 20U;
 /// Deepest nesting of arrays and objects.
 inline constexpr int kDeepestNesting = 64;
 
-/// The bytes of `file`. Throws FileError, beginning with `label`, if it is no readable regular file of at most `largest`.
+/// The bytes of `file`. Throws FileError, beginning with `label`, if it is no readable regular file of at most
+/// `largest`.
 [[nodiscard]] std::string read_text(const std::filesystem::path& file, const std::string& label,
                                     std::uintmax_t largest = kLargestJsonFile);
 /// Parses JSON: no duplicate keys, bounded depth, UTF-8, numbers within range, and bare Infinity as a number.

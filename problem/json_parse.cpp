@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -19,12 +20,13 @@ std::string place(std::string_view text, std::size_t position) {
   return fmt::format("line {}, column {}", line, position - line_start + 1);
 }
 
-[[noreturn]] void refuse(const JsonSource& source, std::string_view text, std::size_t position, const std::string& what) {
+[[noreturn]] void refuse(const JsonSource& source, std::string_view text, std::size_t position,
+                         const std::string& what) {
   throw FileError(fmt::format("{}: {}: {}", source.label, place(text, position), what));
 }
 
-// What stands for bare Infinity while nlohmann's parser, which knows none, is at work: texts of the same length, so that
-// columns stay right, with a character that no genuine text may contain.
+// What stands for bare Infinity while nlohmann's parser, which knows none, is at work: texts of the same length, so
+// that columns stay right, with a character that no genuine text may contain.
 constexpr std::string_view kInfinity = "Infinity";
 constexpr std::string_view kPlusStandIn = "\"\\u0000\"";
 constexpr std::string_view kMinusStandIn = "\"-\\u0000\"";
@@ -37,7 +39,8 @@ void prepare(std::string& text, const JsonSource& source) {
     const char c = text[i];
     const std::string_view rest = std::string_view{text}.substr(i);
     if (within_text) {
-      if (c == '\0' || rest.starts_with("\\u0000")) refuse(source, text, i, "the character U+0000 is not allowed in a text");
+      if (c == '\0' || rest.starts_with("\\u0000"))
+        refuse(source, text, i, "the character U+0000 is not allowed in a text");
       if (c == '\\') ++i;  // whatever follows does not end the text
       if (c == '"') within_text = false;
       continue;
@@ -46,7 +49,8 @@ void prepare(std::string& text, const JsonSource& source) {
       within_text = true;
     } else if (c == '[' || c == '{') {
       if (++depth > kDeepestNesting) {
-        refuse(source, text, i, fmt::format("nested deeper than {} levels (limit {})", kDeepestNesting, kDeepestNesting));
+        refuse(source, text, i,
+               fmt::format("nested deeper than {} levels (limit {})", kDeepestNesting, kDeepestNesting));
       }
     } else if (c == ']' || c == '}') {
       --depth;
@@ -96,22 +100,23 @@ class Builder final : public nlohmann::json_sax<Json> {
     return true;
   }
   bool parse_error(std::size_t position, const std::string& token, const nlohmann::detail::exception& error) override {
-    // The parser counts the bytes it has read: the culprit ends there.
-    const std::size_t begin = position > token.size() ? position - token.size() : 0;
-    if (error.id == 406) refuse(source_, text_, begin, fmt::format("the number {} is too large (limit: 1.8e308)", shown(token)));
-    if (position >= text_.size() && !ends_a_value(token)) refuse(source_, text_, text_.size(), "the file ends too early");
-    refuse(source_, text_, begin, fmt::format("{} is not JSON here ({})", shown(token), reason(error.what())));
+    // `position` counts the bytes read, the culprit's last one and even the end of the file included.
+    if (position > text_.size()) refuse(source_, text_, text_.size(), "the file ends too early");
+    constexpr int kOutOfRange = 406;
+    if (error.id == kOutOfRange) {
+      refuse(source_, text_, position - std::min(position, token.size()),
+             fmt::format("the number {} is too large (limit: 1.8e308)", token));
+    }
+    constexpr std::size_t kShown = 16;
+    const std::size_t begin = position > kShown ? position - kShown : 0;
+    std::string near{text_.substr(begin, position - begin)};
+    std::replace_if(
+        near.begin(), near.end(), [](char c) { return c < ' ' || c > '~'; }, ' ');  // one line, ASCII
+    refuse(source_, text_, std::max<std::size_t>(position, 1) - 1,
+           fmt::format("this is not JSON: {} at the end of '{}'", reason(error.what()), near));
   }
 
  private:
-  static bool ends_a_value(const std::string& token) { return !token.empty() && (token.back() == '}' || token.back() == ']'); }
-
-  /// The token that the parser stopped at, short and printable.
-  static std::string shown(const std::string& token) {
-    const std::size_t first = token.size() > 30 ? token.size() - 30 : 0;
-    return preview(Json(token.substr(first)));
-  }
-
   /// The parser's own reason without its prefixes: "... - invalid literal; last read: ..." and the like.
   static std::string reason(const std::string& message) {
     std::string text = message;

@@ -42,7 +42,9 @@ void write(const Ordered& value, std::size_t indent, std::string& out) {
     if (is_object) out += Ordered(key).dump() + ": ";
     write(element, indent + 2, out);
   }
-  out += "\n" + std::string(indent, ' ') + (is_object ? "}" : "]");
+  out += '\n';
+  out.append(indent, ' ');
+  out += is_object ? '}' : ']';
 }
 
 /// -0 reads as a slip of the pen.

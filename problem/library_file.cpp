@@ -68,7 +68,8 @@ ModuleBody read_body(const JsonCursor& cursor, const ParameterList& parameters) 
     body.connectors.push_back(read_connector(entry, parameters));
   }
   if (const std::optional<JsonCursor> collision = cursor.find("collision")) {
-    for (const JsonCursor& entry : collision->items_or_single()) body.collision.push_back(read_geometry(entry, parameters));
+    for (const JsonCursor& entry : collision->items_or_single())
+      body.collision.push_back(read_geometry(entry, parameters));
   }
   const JsonCursor inertia = cursor.at("inertia");
   body.uniform_inertia = inertia.value() == Json("uniform");
@@ -115,7 +116,8 @@ void read_limits(const JsonCursor& limits, Joint& joint) {
   joint.peak_torque = limits.number_or("peakTorque", kInf, kPositive);
 }
 
-ModuleJoint read_joint(const JsonCursor& cursor, const ParameterList& parameters, const std::vector<ModuleBody>& bodies) {
+ModuleJoint read_joint(const JsonCursor& cursor, const ParameterList& parameters,
+                       const std::vector<ModuleBody>& bodies) {
   cursor.expect_keys({"ID", "parent", "child", "type", "passive", "poseParent", "poseChild", "limits", "gearRatio",
                       "motorInertia", "frictionCoulomb", "frictionViscous"});
   ModuleJoint result;
@@ -187,7 +189,8 @@ std::shared_ptr<const ModuleLibrary> read_library(const JsonCursor& cursor, cons
   return list.guard([&] { return std::make_shared<const ModuleLibrary>(name, std::move(modules), neighbours); });
 }
 
-std::shared_ptr<const ModuleLibrary> load_library_from(const std::string& file_or_id, const std::filesystem::path& directory,
+std::shared_ptr<const ModuleLibrary> load_library_from(const std::string& file_or_id,
+                                                       const std::filesystem::path& directory,
                                                        const std::string& referrer) {
   if (const std::optional<std::string_view> text = builtin_library(file_or_id)) {
     const JsonDocument document = parse_json(std::string{*text}, {"built-in library " + file_or_id, {}});

@@ -25,7 +25,8 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& X_par
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       if (face.mNumIndices != 3) continue;  // points and lines have no surface
-      mesh.triangles.emplace_back(first + static_cast<int>(face.mIndices[0]), first + static_cast<int>(face.mIndices[1]),
+      mesh.triangles.emplace_back(first + static_cast<int>(face.mIndices[0]),
+                                  first + static_cast<int>(face.mIndices[1]),
                                   first + static_cast<int>(face.mIndices[2]));
     }
   }
@@ -37,7 +38,8 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& X_par
 std::shared_ptr<const TriangleMesh> load_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);
-  if (status.type() == std::filesystem::file_type::not_found) throw std::runtime_error("is missing: there is no such file");
+  if (status.type() == std::filesystem::file_type::not_found)
+    throw std::runtime_error("is missing: there is no such file");
   if (!std::filesystem::is_regular_file(status)) throw std::runtime_error("is not a regular file");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (!error && size > kLargestMeshFile) {

@@ -109,19 +109,20 @@ void check_not_negative(const ModuleType& module, const AffineScalar& number, co
 
 void check_translation(const ModuleType& module, const AffineVector& vector, const std::string& what) {
   if (!vector.offset.allFinite()) refuse(module, fmt::format("{} is not finite", what));
-  for (const AffineVector::Term& term : vector.terms) check_indices(module, AffineScalar::of_parameter(term.parameter), what);
+  for (const AffineVector::Term& term : vector.terms)
+    check_indices(module, AffineScalar::of_parameter(term.parameter), what);
 }
 
 void check_parameters(const ModuleType& module) {
   if (module.n_parameters() > ModuleLibrary::kMaxParameters) {
-    refuse(module,
-           fmt::format("has {} parameters (limit {})", module.n_parameters(), ModuleLibrary::kMaxParameters));
+    refuse(module, fmt::format("has {} parameters (limit {})", module.n_parameters(), ModuleLibrary::kMaxParameters));
   }
   std::set<std::string> names;
   for (const ParameterRange& range : module.parameters) {
     if (!names.insert(range.name).second) refuse(module, fmt::format("has two parameters named '{}'", range.name));
     if (!std::isfinite(range.lower) || !std::isfinite(range.upper) || range.lower > range.upper) {
-      refuse(module, fmt::format("parameter '{}': [{}, {}] is not a finite interval", range.name, range.lower, range.upper));
+      refuse(module,
+             fmt::format("parameter '{}': [{}, {}] is not a finite interval", range.name, range.lower, range.upper));
     }
   }
 }
@@ -139,7 +140,8 @@ void check_bodies(const ModuleType& module) {
     }
     for (const BodyGeometry& geometry : body.collision) {
       check_translation(module, geometry.X_FG.translation, "a collision pose of " + what);
-      for (const AffineScalar& size : geometry.shape.size) check_not_negative(module, size, "a collision size of " + what);
+      for (const AffineScalar& size : geometry.shape.size)
+        check_not_negative(module, size, "a collision size of " + what);
     }
   }
 }
@@ -149,7 +151,8 @@ void check_joints(const ModuleType& module) {
   std::set<std::string> ids;
   for (const ModuleJoint& joint : module.joints) {
     const std::string what = fmt::format("joint '{}'", joint.joint.name);
-    if (!ids.insert(joint.joint.name).second) refuse(module, fmt::format("has two joints with the ID '{}'", joint.joint.name));
+    if (!ids.insert(joint.joint.name).second)
+      refuse(module, fmt::format("has two joints with the ID '{}'", joint.joint.name));
     for (const int body : {joint.parent, joint.child}) {
       if (body < 0 || body >= n_bodies) refuse(module, fmt::format("{} names body {} of {}", what, body, n_bodies));
     }
@@ -157,7 +160,8 @@ void check_joints(const ModuleType& module) {
     check_translation(module, joint.X_PJ.translation, what);
     check_translation(module, joint.X_JC.translation, what);
     if (!joint.fixed && !(joint.joint.lower <= joint.joint.upper)) {
-      refuse(module, fmt::format("{}: limits [{}, {}] are not an interval", what, joint.joint.lower, joint.joint.upper));
+      refuse(module,
+             fmt::format("{}: limits [{}, {}] are not an interval", what, joint.joint.lower, joint.joint.upper));
     }
   }
 }
@@ -407,7 +411,8 @@ std::vector<std::pair<std::string, std::string>> ModuleLibrary::connections(std:
     const ModuleType& module = type(types[i]);
     const int e = entry_or_throw(free, types, i);
     const End& in = ends_of(types[i])[static_cast<std::size_t>(e)];
-    result.emplace_back(connector_at(*before, free.body, free.connector).id, connector_at(module, in.body, in.connector).id);
+    result.emplace_back(connector_at(*before, free.body, free.connector).id,
+                        connector_at(module, in.body, in.connector).id);
     free = ends_of(types[i])[static_cast<std::size_t>(1 - e)];
     before = &module;
   }

@@ -21,8 +21,8 @@ struct ParameterRange {
 
 enum class Gender { kFemale, kMale, kHermaphroditic };
 
-/// A place where a module can be joined to another. Its frame C points away from the body (z outwards), so joining A to B
-/// turns the frame of A's connector by half a turn about x into the frame of B's.
+/// A place where a module can be joined to another. Its frame C points away from the body (z outwards), so joining A to
+/// B turns the frame of A's connector by half a turn about x into the frame of B's.
 struct Connector {
   std::string id;
   AffinePose X_BC;  ///< body -> connector
@@ -37,12 +37,12 @@ struct Connector {
 /// A rigid part of a module, in its own frame B.
 struct ModuleBody {
   std::string id;
-  AffineScalar mass;                                     ///< [kg]
-  AffineVector r_com;                                    ///< centre of mass [m]
-  bool uniform_inertia = false;                          ///< derived from mass and collision geometry
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();     ///< about the centre of mass, axes of B [kg m^2]
+  AffineScalar mass;                                  ///< [kg]
+  AffineVector r_com;                                 ///< centre of mass [m]
+  bool uniform_inertia = false;                       ///< derived from mass and collision geometry
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre of mass, axes of B [kg m^2]
   std::vector<Connector> connectors;
-  std::vector<BodyGeometry> collision;                   ///< X_FG is X_BG here
+  std::vector<BodyGeometry> collision;  ///< X_FG is X_BG here
 };
 
 /// A joint between two bodies of one module: child = parent * X_PJ * (Rz(q) or Tz(q)) * X_JC.
@@ -85,16 +85,17 @@ struct ModuleType {
 /// Python: A Toolbox for Industrial Modular Robotics", IROS, doi:10.1109/IROS55552.2023.10341935, with parameters).
 ///
 /// Serial chains of two-connector modules: a module is entered by its first declared connector that fits the free one
-/// before it and left by the other. The tip is the frame of the end effector's `eef` connector, else of the last free one.
-/// The base module is fixed and not counted among the types: type k = 0 .. n_types() - 1 are those a design chooses from.
+/// before it and left by the other. The tip is the frame of the end effector's `eef` connector, else of the last free
+/// one. The base module is fixed and not counted among the types: type k = 0 .. n_types() - 1 are those a design
+/// chooses from.
 class ModuleLibrary {
  public:
   static constexpr int kMaxParameters = 8;  ///< per module: Parameters of a placement never touch the heap
 
   /// `name`: ID or file, for messages. The types keep the order of `modules`, the base left out.
-  /// Throws std::invalid_argument (module, what, limit) unless there is exactly one base, without parameters, every module
-  /// has two connectors with a serial chain of joints between them and at most kMaxParameters parameters, IDs are unique,
-  /// and no mass or size becomes negative within the parameters' intervals.
+  /// Throws std::invalid_argument (module, what, limit) unless there is exactly one base, without parameters, every
+  /// module has two connectors with a serial chain of joints between them and at most kMaxParameters parameters, IDs
+  /// are unique, and no mass or size becomes negative within the parameters' intervals.
   ModuleLibrary(std::string name, std::vector<ModuleType> modules, NeighbourRule rule = NeighbourRule::kViaJoint);
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -128,7 +129,8 @@ class ModuleLibrary {
                                const Eigen::Isometry3d& X_WB = Eigen::Isometry3d::Identity()) const;
 
  private:
-  // One of the two connectors of a module, reduced to what joining needs: sequences are checked in every step of a search.
+  // One of the two connectors of a module, reduced to what joining needs: sequences are checked in every step of a
+  // search.
   struct End {
     int body = 0;
     int connector = 0;
@@ -151,9 +153,9 @@ class ModuleLibrary {
   NeighbourRule rule_;
   bool has_end_effectors_ = false;
   std::vector<std::pair<std::string, std::vector<double>>> mates_;  // (type, size) by number
-  End base_end_;                                                     // the base's connector for the first module
-  End ground_end_;                                                   // the base's connector of type "base"
-  std::vector<Ends> ends_;                                           // [n_types]
+  End base_end_;                                                    // the base's connector for the first module
+  End ground_end_;                                                  // the base's connector of type "base"
+  std::vector<Ends> ends_;                                          // [n_types]
 };
 
 }  // namespace modsearch

@@ -23,7 +23,8 @@ Sampling read_sampling(const JsonCursor& cursor, const std::vector<Goal>& goals)
   cursor.expect_keys({"goal", "box", "minClearance"});
   Sampling sampling;
   sampling.goal = cursor.at("goal").text();
-  const bool known = std::any_of(goals.begin(), goals.end(), [&](const Goal& goal) { return goal.id == sampling.goal; });
+  const bool known =
+      std::any_of(goals.begin(), goals.end(), [&](const Goal& goal) { return goal.id == sampling.goal; });
   if (!known) cursor.at("goal").fail_value("the ID of a goal of the task");
   const JsonCursor box = cursor.at("box");
   box.expect_keys({"lower", "upper"});
@@ -85,7 +86,8 @@ std::shared_ptr<const Scoring> read_scoring(const JsonCursor& cursor) {
 
 ProblemFile load_problem_file(const std::string& file_or_id) {
   if (const std::optional<std::string_view> text = detail::builtin_problem(file_or_id)) {
-    const detail::JsonDocument document = detail::parse_json(std::string{*text}, {"built-in problem " + file_or_id, {}});
+    const detail::JsonDocument document =
+        detail::parse_json(std::string{*text}, {"built-in problem " + file_or_id, {}});
     return detail::read_problem(document.cursor(), file_or_id);
   }
   detail::require_file_or_id(file_or_id, "problem", builtin_problems());

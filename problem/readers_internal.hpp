@@ -11,7 +11,8 @@ namespace modsearch::detail {
 [[nodiscard]] std::optional<std::string_view> builtin_library(std::string_view id);
 [[nodiscard]] std::optional<std::string_view> builtin_problem(std::string_view id);
 /// Throws FileError, listing the IDs of the built-in ones, if `file`, which is none of them, does not exist either.
-void require_file_or_id(const std::filesystem::path& file, std::string_view what, const std::vector<std::string>& known);
+void require_file_or_id(const std::filesystem::path& file, std::string_view what,
+                        const std::vector<std::string>& known);
 
 /// `name`: ID or file, kept in the library for messages.
 [[nodiscard]] std::shared_ptr<const ModuleLibrary> read_library(const JsonCursor& cursor, const std::string& name);

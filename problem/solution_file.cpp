@@ -10,7 +10,9 @@ namespace {
 using nlohmann::ordered_json;
 
 /// A number, or null where it is infinite or NaN, which JSON cannot say.
-ordered_json finite_or_null(double number) { return std::isfinite(number) ? ordered_json(number) : ordered_json(nullptr); }
+ordered_json finite_or_null(double number) {
+  return std::isfinite(number) ? ordered_json(number) : ordered_json(nullptr);
+}
 
 ordered_json rows(const Eigen::MatrixXd& matrix) {
   ordered_json list = ordered_json::array();

@@ -42,16 +42,18 @@ void check_target(const JsonCursor& root, const SolutionRecord& record, const Ro
     return (goal.position() - *record.target).norm() <= kSameNumber;
   });
   if (!known) {
-    root.at("instance").at("target").fail_value(fmt::format("the target of instance {}:{} of '{}' (limit: within {} m)",
-                                                            record.instance->seed, record.instance->index,
-                                                            problem.name(), kSameNumber));
+    root.at("instance")
+        .at("target")
+        .fail_value(fmt::format("the target of instance {}:{} of '{}' (limit: within {} m)", record.instance->seed,
+                                record.instance->index, problem.name(), kSameNumber));
   }
 }
 
 void check_module_order(const JsonCursor& order, const ModuleLibrary& library, const Design& design) {
   const std::vector<JsonCursor> entries = order.items();
   if (entries.size() != design.modules.size() + 1) {
-    order.fail(fmt::format("has {} modules where the design has {} with its base", entries.size(), design.modules.size() + 1));
+    order.fail(
+        fmt::format("has {} modules where the design has {} with its base", entries.size(), design.modules.size() + 1));
   }
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const std::string& id = i == 0 ? library.base().id : library.type(design.modules[i - 1].type).id;
@@ -69,7 +71,8 @@ Design design_from_order(const JsonCursor& order, const ModuleLibrary& library) 
   for (std::size_t i = 1; i < entries.size(); ++i) {
     const std::optional<int> k = library.find(entries[i].text());
     if (!k) entries[i].fail_value(fmt::format("a module of library '{}'", library.name()));
-    if (library.type(*k).n_parameters() > 0) entries[i].fail("the module has parameters, which only \"design\" can give");
+    if (library.type(*k).n_parameters() > 0)
+      entries[i].fail("the module has parameters, which only \"design\" can give");
     design.modules.push_back({*k, Parameters(0)});
     if (!library.fits_together(design.types())) entries[i].fail_value("a module that fits the one before it");
   }
@@ -96,7 +99,8 @@ Terms read_terms(const JsonCursor& cursor, const JsonCursor& score) {
   for (const JsonCursor& entry : cursor.items()) {
     entry.expect_keys({"name", "value"});
     const std::string term_name = entry.at("name").text();
-    const auto id = std::find_if(std::begin(kIds), std::end(kIds), [&](TermId each) { return name(each) == term_name; });
+    const auto id =
+        std::find_if(std::begin(kIds), std::end(kIds), [&](TermId each) { return name(each) == term_name; });
     if (id == std::end(kIds)) entry.at("name").fail_value("the name of a term of the score");
     if (std::find(seen.begin(), seen.end(), term_name) != seen.end()) {
       entry.at("name").fail_value("given once (limit 1)");
@@ -131,7 +135,8 @@ std::vector<double> read_times(const JsonCursor& cursor) {
 }
 
 /// The row of `times` at which each goal is passed.
-std::vector<int> read_goal_rows(const JsonCursor& cursor, const std::vector<double>& times, std::span<const Goal> goals) {
+std::vector<int> read_goal_rows(const JsonCursor& cursor, const std::vector<double>& times,
+                                std::span<const Goal> goals) {
   constexpr double kSameTime = 1e-9;
   for (const auto& [id, value] : cursor.members()) {
     const bool known = std::any_of(goals.begin(), goals.end(), [&id = id](const Goal& goal) { return goal.id == id; });
@@ -155,7 +160,8 @@ void read_trajectory(const JsonCursor& cursor, const RobotProblem& problem, std:
   const JsonCursor q = cursor.at("q");
   attempt.path = Path{read_rows(q, n_joints)};
   const auto n_rows = static_cast<std::size_t>(attempt.path->waypoints.rows());
-  if (n_rows != times.size() || n_rows == 0) q.fail(fmt::format("has {} rows for {} times (limit: as many, at least 1)", n_rows, times.size()));
+  if (n_rows != times.size() || n_rows == 0)
+    q.fail(fmt::format("has {} rows for {} times (limit: as many, at least 1)", n_rows, times.size()));
   for (const char* derivative : {"dq", "ddq"}) {  // not used: they follow from q and t
     const std::optional<JsonCursor> found = cursor.find(derivative);
     if (found && static_cast<std::size_t>(read_rows(*found, n_joints).rows()) != n_rows) {
@@ -171,15 +177,19 @@ void check_path_against_postures(const JsonCursor& root, const Attempt& attempt)
     const Eigen::RowVectorXd row = attempt.path->waypoints.row(attempt.goal_waypoints[i]);
     const Eigen::RowVectorXd posture = attempt.postures.row(static_cast<Eigen::Index>(i));
     if (row.size() > 0 && (row - posture).cwiseAbs().maxCoeff() > kSameNumber) {
-      root.at("trajectory").at("q").items()[static_cast<std::size_t>(attempt.goal_waypoints[i])].fail_value(
-          fmt::format("posture {} of \"postures\", which is due at this time (limit: within {})", i, kSameNumber));
+      root.at("trajectory")
+          .at("q")
+          .items()[static_cast<std::size_t>(attempt.goal_waypoints[i])]
+          .fail_value(
+              fmt::format("posture {} of \"postures\", which is due at this time (limit: within {})", i, kSameNumber));
     }
   }
 }
 
 Failure failure_from(const JsonCursor& cursor) {
-  constexpr Failure kAll[] = {Failure::kIncomplete,      Failure::kUnreachable, Failure::kObstacle,   Failure::kSelfCollision,
-                              Failure::kHomeInCollision, Failure::kNoPath,      Failure::kNotANumber};
+  constexpr Failure kAll[] = {Failure::kIncomplete,    Failure::kUnreachable,     Failure::kObstacle,
+                              Failure::kSelfCollision, Failure::kHomeInCollision, Failure::kNoPath,
+                              Failure::kNotANumber};
   const std::string text = cursor.text();
   const auto found = std::find_if(std::begin(kAll), std::end(kAll), [&](Failure each) { return name(each) == text; });
   if (found == std::end(kAll)) cursor.fail_value("the name of a reason for failure");
@@ -239,10 +249,11 @@ void check_rest(const JsonCursor& root, const RobotProblem& problem) {
 }
 
 LoadedSolution read_solution(const JsonCursor& root, const std::optional<std::string>& instead) {
-  root.expect_keys({"modsearch",   "version",    "taskID",      "problem",   "instance",   "moduleOrder",  "moduleConnection",
-                    "moduleSet",   "baseConnection", "basePose", "design",   "score",      "terms",        "reached",
-                    "achieved",    "failure",    "goalError_m", "clearance_m", "postures", "trajectory",   "cost",
-                    "costFunction", "computationTime", "processorName", "verified", "solver", "bound"});
+  root.expect_keys(
+      {"modsearch",    "version",         "taskID",        "problem",     "instance", "moduleOrder", "moduleConnection",
+       "moduleSet",    "baseConnection",  "basePose",      "design",      "score",    "terms",       "reached",
+       "achieved",     "failure",         "goalError_m",   "clearance_m", "postures", "trajectory",  "cost",
+       "costFunction", "computationTime", "processorName", "verified",    "solver",   "bound"});
   LoadedSolution result;
   SolutionRecord& record = result.record;
   const bool ours = root.has("modsearch");
@@ -254,10 +265,12 @@ LoadedSolution read_solution(const JsonCursor& root, const std::optional<std::st
   check_rest(root, problem);
 
   const bool has_design = ours || root.has("design");
-  record.design = has_design ? read_design(root.at("design"), library) : design_from_order(root.at("moduleOrder"), library);
+  record.design =
+      has_design ? read_design(root.at("design"), library) : design_from_order(root.at("moduleOrder"), library);
   if (static_cast<int>(record.design.modules.size()) + 1 > problem.max_modules()) {
     root.at(has_design ? "design" : "moduleOrder")
-        .fail(fmt::format("has {} modules with the base (limit {})", record.design.modules.size() + 1, problem.max_modules()));
+        .fail(fmt::format("has {} modules with the base (limit {})", record.design.modules.size() + 1,
+                          problem.max_modules()));
   }
   if (has_design && root.has("moduleOrder")) check_module_order(root.at("moduleOrder"), library, record.design);
   record.X_WB = root.has("basePose") ? read_base_pose(root.at("basePose"), problem) : problem.spec().X_WB;

@@ -18,11 +18,13 @@ Eigen::Matrix3d read_tolerance_frame(const JsonCursor& cursor, const Eigen::Isom
 }
 
 /// The frames of `n` tolerances: one for all, or a list beside them.
-std::vector<Eigen::Matrix3d> read_tolerance_frames(const JsonCursor& pose, const Eigen::Isometry3d& X_WN, std::size_t n) {
+std::vector<Eigen::Matrix3d> read_tolerance_frames(const JsonCursor& pose, const Eigen::Isometry3d& X_WN,
+                                                   std::size_t n) {
   const std::optional<JsonCursor> cursor = pose.find("toleranceFrame");
   if (!cursor) return std::vector<Eigen::Matrix3d>(n, Eigen::Matrix3d::Identity());
   const Json& value = cursor->value();
-  const bool is_matrix = value.is_array() && !value.empty() && value[0].is_array() && !value[0].empty() && value[0][0].is_number();
+  const bool is_matrix =
+      value.is_array() && !value.empty() && value[0].is_array() && !value[0].empty() && value[0][0].is_number();
   if (!value.is_array() || is_matrix) return std::vector<Eigen::Matrix3d>(n, read_tolerance_frame(*cursor, X_WN));
   std::vector<Eigen::Matrix3d> frames;
   if (value.size() != n) cursor->fail(fmt::format("has {} frames for {} projections", value.size(), n));
@@ -30,9 +32,9 @@ std::vector<Eigen::Matrix3d> read_tolerance_frames(const JsonCursor& pose, const
   return frames;
 }
 
-constexpr std::array kProjections = {Projection::kX,      Projection::kY,     Projection::kZ,     Projection::kRSph,
-                                     Projection::kRCyl,   Projection::kPhiCyl, Projection::kTheta, Projection::kPhiSph,
-                                     Projection::kNx,     Projection::kNy,    Projection::kNz,    Projection::kThetaR};
+constexpr std::array kProjections = {Projection::kX,    Projection::kY,      Projection::kZ,     Projection::kRSph,
+                                     Projection::kRCyl, Projection::kPhiCyl, Projection::kTheta, Projection::kPhiSph,
+                                     Projection::kNx,   Projection::kNy,     Projection::kNz,    Projection::kThetaR};
 
 PoseRegion read_region(const JsonCursor& cursor) {
   cursor.expect_keys({"nominal", "nominalParent", "toleranceProjection", "tolerance", "toleranceFrame"});
@@ -59,7 +61,8 @@ PoseRegion read_region(const JsonCursor& cursor) {
         {"x", "y", "z", "r_sph", "r_cyl", "phi_cyl", "theta", "phi_sph", "N_x", "N_y", "N_z", "Theta_R"});
     const std::vector<JsonCursor> ends = intervals[i].items(2);
     Tolerance tolerance{kProjections[which], ends[0].number(), ends[1].number(), frames[i]};
-    if (tolerance.lower > tolerance.upper) ends[1].fail_value(fmt::format("at least {}, the lower end", tolerance.lower));
+    if (tolerance.lower > tolerance.upper)
+      ends[1].fail_value(fmt::format("at least {}, the lower end", tolerance.lower));
     tolerances.push_back(tolerance);
   }
   return cursor.guard([&] { return PoseRegion{X_WN, std::move(tolerances)}; });
@@ -69,7 +72,8 @@ Obstacle read_obstacle(const JsonCursor& cursor) {
   cursor.expect_keys({"ID", "name", "collision", "pose", "motion"});
   Obstacle obstacle;
   obstacle.name = cursor.text_or("name", cursor.at("ID").text());
-  if (const std::optional<JsonCursor> motion = cursor.find("motion")) motion->fail("moving obstacles are not supported yet");
+  if (const std::optional<JsonCursor> motion = cursor.find("motion"))
+    motion->fail("moving obstacles are not supported yet");
   if (const std::optional<JsonCursor> pose = cursor.find("pose")) {
     // Older files repeat the pose of the geometries here: checked, and not applied again.
     if (pose->value().is_object()) pose->expect_keys({"nominal"});
@@ -95,7 +99,8 @@ void read_constraint(const JsonCursor& cursor, Constraints& constraints) {
                                     "allGoalsFulfilledInOrder", "basePlacement", "endEffector"})) {
     case 0:
       cursor.expect_keys({"type", "parts"});
-      for (const JsonCursor& part : cursor.at("parts").items()) static_cast<void>(part.choice({"q", "dq", "ddq", "tau"}));
+      for (const JsonCursor& part : cursor.at("parts").items())
+        static_cast<void>(part.choice({"q", "dq", "ddq", "tau"}));
       return;
     case 1:
     case 2:
@@ -135,7 +140,8 @@ void read_goal_constraints(const JsonCursor& list) {
     switch (entry.at("type").choice({"joint", "selfCollisionFree", "collisionFree", "endEffector"})) {
       case 0:
         entry.expect_keys({"type", "parts"});
-        for (const JsonCursor& part : entry.at("parts").items()) static_cast<void>(part.choice({"q", "dq", "ddq", "tau"}));
+        for (const JsonCursor& part : entry.at("parts").items())
+          static_cast<void>(part.choice({"q", "dq", "ddq", "tau"}));
         break;
       case 1:
       case 2:
@@ -176,7 +182,8 @@ std::vector<Goal> read_goals(const JsonCursor& list) {
 std::vector<Goal> ordered(const std::vector<Goal>& goals, const Constraints& constraints) {
   std::vector<std::size_t> named;
   for (std::size_t i = 0; i < constraints.order.size(); ++i) {
-    const auto found = std::find_if(goals.begin(), goals.end(), [&](const Goal& goal) { return goal.id == constraints.order[i]; });
+    const auto found =
+        std::find_if(goals.begin(), goals.end(), [&](const Goal& goal) { return goal.id == constraints.order[i]; });
     const JsonCursor place = constraints.order_place->items()[i];
     if (found == goals.end()) place.fail_value("the ID of a goal");
     const auto index = static_cast<std::size_t>(found - goals.begin());

@@ -12,8 +12,8 @@ struct TimedPath {
 };
 
 /// Runs along `path` as fast as the slowest joint of each segment may (1 rad/s or 1 m/s where its velocity is not
-/// limited), stretching each segment to whole time steps: no corner is cut, and a timed path timed again stays the same.
-/// The step grows where the motion would take more than 100 000 of them.
+/// limited), stretching each segment to whole time steps: no corner is cut, and a timed path timed again stays the
+/// same. The step grows where the motion would take more than 100 000 of them.
 [[nodiscard]] TimedPath timed(const Chain& chain, const Path& path, double time_step);
 
 }  // namespace modsearch::detail

@@ -140,7 +140,8 @@ TEST_F(SeedLibrary, MapsLengthsAndAnglesAsWrittenByHand) {
       x.push_back(distal);
       q.push_back(draw(-3, 3));
       expected = k == 1 ? expected * tz(proximal) * rx(q.back()) * tz(distal)
-                        : expected * tz(proximal) * rz(q.back()) * tz(kRadius) * rx(std::numbers::pi / 2.0) * tz(distal - kRadius);
+                        : expected * tz(proximal) * rz(q.back()) * tz(kRadius) * rx(std::numbers::pi / 2.0) *
+                              tz(distal - kRadius);
     }
     const Chain chain = library_->assemble(types, X_WB);
     ASSERT_EQ(chain.n_parameters(), static_cast<int>(x.size()));
@@ -305,7 +306,8 @@ TEST(ModuleLibrary, TurnsAJointTheSameWayWhenTheModuleIsEnteredFromItsChild) {
     EXPECT_EQ(chain.upper_limits()[0], 2.0);
     // upper body -> lower body is the inverse of tz(0.5) rx(0.3) rz(q) rx(0.4).
     const Isometry3d lower_to_upper = tz(0.5) * rx(0.3) * rz(q) * rx(0.4);
-    const Isometry3d expected = rx(std::numbers::pi) * tz(0.2).inverse() * lower_to_upper.inverse() * rx(std::numbers::pi);
+    const Isometry3d expected =
+        rx(std::numbers::pi) * tz(0.2).inverse() * lower_to_upper.inverse() * rx(std::numbers::pi);
     const Isometry3d tip = chain.at(Eigen::VectorXd(0)).forward(Eigen::VectorXd::Constant(1, q)).tip;
     EXPECT_LT((tip.matrix() - expected.matrix()).cwiseAbs().maxCoeff(), kTolerance);
   }

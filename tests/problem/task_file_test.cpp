@@ -1,0 +1,198 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <modsearch/problem/files.hpp>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "problem/temporary_folder.hpp"
+#include "shared_folder.hpp"
+
+namespace modsearch {
+namespace {
+
+using nlohmann::json;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+
+json matrix(double x, double y, double z) { return {{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}, {0, 0, 0, 1}}; }
+
+json reach(const std::string& id, double x) {
+  return {{"ID", id}, {"type", "reach"}, {"goalPose", {{"nominal", matrix(x, 0, 1)}}}};
+}
+
+json task(std::vector<json> goals) {
+  return {{"header", {{"ID", "test"}, {"version", "2022"}, {"timeStepSize", 0.02}, {"gravity", {0, 0, -9.81}}}},
+          {"obstacles", json::array()},
+          {"constraints", json::array()},
+          {"goals", goals}};
+}
+
+TaskFile load(const json& text) {
+  const TemporaryFolder folder;
+  return load_task(folder.write("task.json", text.dump()));
+}
+
+std::string refusal(const std::filesystem::path& file) {
+  try {
+    static_cast<void>(load_task(file));
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::vector<std::string> ids(const TaskFile& file) {
+  std::vector<std::string> result;
+  for (const Goal& goal : file.goals) result.push_back(goal.id);
+  return result;
+}
+
+class RecordedTask : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(folder_)) GTEST_SKIP() << "no recorded tasks under " << test::shared_folder();
+  }
+  std::filesystem::path folder_ = test::shared_folder() / "data/timor/tasks";
+};
+
+TEST_F(RecordedTask, WithoutGoalsIsNoTaskYetReads) {
+  const TaskFile file = load_task(folder_ / "simple/Empty.json");
+  EXPECT_EQ(file.task, nullptr);
+  EXPECT_TRUE(file.goals.empty());
+  EXPECT_EQ(file.time_step, 0.01);
+}
+
+TEST_F(RecordedTask, OfTwoPosesReadsWithItsBase) {
+  const TaskFile file = load_task(folder_ / "simple/PTP_1.json");
+  ASSERT_EQ(file.goals.size(), 2U);
+  EXPECT_EQ(file.goals[0].type, GoalType::kAt);
+  EXPECT_EQ(file.goals[1].type, GoalType::kReach);
+  EXPECT_EQ(file.X_WB.translation(), (Eigen::Vector3d{1.0, 2.0, 3.0}));
+  EXPECT_EQ(file.goals[1].position(), (Eigen::Vector3d{2.0, 2.0, 3.0}));
+  ASSERT_EQ(file.goals[0].region.tolerances().size(), 2U);
+  EXPECT_EQ(file.goals[0].region.tolerances()[0].projection, Projection::kRSph);
+  EXPECT_EQ(file.goals[0].region.tolerances()[0].upper, 0.01);
+  EXPECT_EQ(file.task->name(), "simple/PTP_1");
+}
+
+TEST_F(RecordedTask, WithToleranceFramesMixedReadsEachInItsOwn) {
+  const TaskFile file = load_task(folder_ / "simple/PTP_mixed_frames.json");
+  ASSERT_EQ(file.goals.size(), 1U);
+  const std::vector<Tolerance>& tolerances = file.goals[0].region.tolerances();
+  ASSERT_EQ(tolerances.size(), 5U);
+  EXPECT_EQ(tolerances[1].projection, Projection::kZ);
+  EXPECT_EQ(tolerances[2].projection, Projection::kZ);
+  EXPECT_EQ(tolerances[1].R_TN, Eigen::Matrix3d::Identity());
+  // The second z is the world's: the rows of R_WN are 0.7071, 0, 0.7071 / -0.7071, 0, 0.7071 / 0, -1, 0.
+  Eigen::Matrix3d R_WN;
+  R_WN << std::sqrt(0.5), 0.0, std::sqrt(0.5), -std::sqrt(0.5), 0.0, std::sqrt(0.5), 0.0, -1.0, 0.0;
+  EXPECT_LT((tolerances[2].R_TN - R_WN).cwiseAbs().maxCoeff(), 1e-8);  // written with nine digits
+  ASSERT_EQ(file.scene->obstacles().size(), 1U);
+  EXPECT_EQ(std::get<Box>(file.scene->obstacles()[0].shapes[0].shape).size, (Eigen::Vector3d{2.0, 2.0, 0.1}));
+}
+
+TEST_F(RecordedTask, AmongMeshesReadsWithTheirTriangles) {
+  const TaskFile file = load_task(folder_ / "simple/PTP_3.json");
+  EXPECT_EQ(ids(file), (std::vector<std::string>{"1", "2", "3"}));
+  ASSERT_EQ(file.scene->obstacles().size(), 1U);
+  const auto& mesh = std::get<Mesh>(file.scene->obstacles()[0].shapes[0].shape);
+  EXPECT_GT(mesh.triangles->triangles.size(), 100U);
+  // Scaled from millimetres: a milling machine is a few metres large.
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& vertex : mesh.triangles->vertices) box.extend(vertex);
+  EXPECT_GT(box.sizes().maxCoeff(), 1.0);
+  EXPECT_LT(box.sizes().maxCoeff(), 10.0);
+}
+
+TEST_F(RecordedTask, ThatNeedsMoreIsRefusedByTheNameOfWhatIsMissing) {
+  EXPECT_THAT(refusal(folder_ / "simple/PTP_2_cycle.json"),
+              HasSubstr("at /goals/3/type: goals of type \"returnTo\" are not supported yet"));
+  EXPECT_THAT(refusal(folder_ / "simple/PTP_pause.json"),
+              HasSubstr("at /goals/2/type: goals of type \"pause\" are not supported yet"));
+  for (const char* name :
+       {"simple/traj_1.json", "simple/traj_window.json", "industrial/drilling_crok_description.json"}) {
+    EXPECT_THAT(refusal(folder_ / name), HasSubstr("at /goals/0/type: goals of type \"follow\" are not supported yet"));
+  }
+}
+
+TEST(TaskFile, GivesAPoseWithoutTolerancesOneMillimetreAndHalfADegree) {
+  const TaskFile file = load(task({reach("1", 1.0)}));
+  const PoseRegion& region = file.goals[0].region;
+  Eigen::Isometry3d X = region.nominal();
+  X.translation().x() += 0.0009;
+  EXPECT_TRUE(region.contains(X));
+  X.translation().x() += 0.0002;
+  EXPECT_FALSE(region.contains(X));
+  X = region.nominal();
+  X.rotate(Eigen::AngleAxisd{0.49 * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY()});
+  EXPECT_TRUE(region.contains(X));
+  X.rotate(Eigen::AngleAxisd{0.02 * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY()});
+  EXPECT_FALSE(region.contains(X));
+  EXPECT_EQ(file.time_step, 0.02);
+}
+
+TEST(TaskFile, ReadsEveryProjection) {
+  json goal = reach("1", 1.0);
+  const std::vector<std::string> names{"x",     "y",       "z",   "r_sph", "r_cyl", "phi_cyl",
+                                       "theta", "phi_sph", "N_x", "N_y",   "N_z",   "Theta_R"};
+  goal["goalPose"]["toleranceProjection"] = names;
+  goal["goalPose"]["tolerance"] = std::vector<std::vector<double>>(names.size(), {-0.5, 0.5});
+  const TaskFile file = load(task({goal}));
+  ASSERT_EQ(file.goals[0].region.tolerances().size(), names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(name(file.goals[0].region.tolerances()[i].projection), names[i]);
+  }
+}
+
+TEST(TaskFile, TurnsATolerancesFrameGivenAsAPoseOfTheWorld) {
+  json goal = reach("1", 1.0);
+  goal["goalPose"]["toleranceProjection"] = {"x"};
+  goal["goalPose"]["tolerance"] = {{-0.01, 0.5}};
+  // A frame whose x axis is the world's y.
+  goal["goalPose"]["toleranceFrame"] = {{0, -1, 0, 9}, {1, 0, 0, 9}, {0, 0, 1, 9}, {0, 0, 0, 1}};
+  const PoseRegion region = load(task({goal})).goals[0].region;
+  Eigen::Isometry3d X = region.nominal();
+  X.translation().y() += 0.4;
+  EXPECT_TRUE(region.contains(X));
+  X.translation().y() -= 0.8;
+  EXPECT_FALSE(region.contains(X));
+}
+
+TEST(TaskFile, VisitsNamedGoalsInTheirOrderAndTheOthersWhereTheyStand) {
+  json text = task({reach("a", 1.0), reach("b", 1.1), reach("c", 1.2), reach("d", 1.3)});
+  text["constraints"] = {{{"type", "allGoalsFulfilledInOrder"}, {"order", {"d", "a", "c"}}}};
+  EXPECT_EQ(ids(load(text)), (std::vector<std::string>{"d", "b", "a", "c"}));
+}
+
+TEST(TaskFile, KeepsHome) {
+  json text = task({reach("a", 1.0)});
+  text["home"] = {0.1, -0.2};
+  EXPECT_EQ(load(text).task->home(), (Eigen::Vector2d{0.1, -0.2}));
+}
+
+TEST(TaskFile, DoesNotApplyTheRepeatedPoseOfAnObstacleAgain) {
+  json text = task({reach("a", 1.0)});
+  const json geometry = {{"type", "sphere"}, {"parameters", {{"r", 0.1}}}, {"pose", matrix(1, 2, 3)}};
+  text["obstacles"] = {{{"ID", "1"}, {"pose", matrix(1, 2, 3)}, {"collision", {geometry}}},
+                       {{"ID", "2"}, {"pose", {{"nominal", matrix(1, 2, 3)}}}, {"collision", geometry}}};
+  const TaskFile file = load(text);
+  for (const Obstacle& obstacle : file.scene->obstacles()) {
+    EXPECT_EQ(obstacle.shapes[0].X_FG.translation(), (Eigen::Vector3d{1.0, 2.0, 3.0}));
+  }
+}
+
+TEST(TaskFile, AcceptsTheConstraintsThatTheProblemDecides) {
+  json text = task({reach("a", 1.0)});
+  text["constraints"] = {{{"type", "joint"}, {"parts", {"q", "dq", "dq", "ddq", "tau"}}},
+                         {{"type", "selfCollisionFree"}},
+                         {{"type", "collisionFree"}},
+                         {{"type", "allGoalsFulfilled"}},
+                         {{"type", "validAssembly"}}};
+  text["goals"][0]["constraints"] = json::array();
+  text["objects"] = json::array();
+  EXPECT_EQ(load(text).goals.size(), 1U);
+}
+
+}  // namespace
+}  // namespace modsearch
