@@ -39,7 +39,7 @@ void write(const Ordered& value, std::size_t indent, std::string& out) {
     if (!first) out += ",\n";
     first = false;
     out += padding;
-    if (is_object) out += Ordered(key).dump() + ": ";
+    if (is_object) out += Ordered(key).dump(-1, ' ', false, Ordered::error_handler_t::replace) + ": ";
     write(element, indent + 2, out);
   }
   out += '\n';
