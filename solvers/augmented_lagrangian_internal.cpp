@@ -8,8 +8,6 @@ namespace modsearch {
 namespace {
 
 // Constants without a name in theory come from 800 solves of random arms per size, n = 4..12 (docs/solvers.md).
-constexpr double kFirstPenalty = 1.0;    // rho: weak, so that the first steps may leave the rows and cross the space;
-                                         // 10 costs 10 points of success at n = 10, 0.3 some at n = 4
 constexpr double kPenaltyGrowth = 4.0;   // 10 and 100 make the active bounds change too abruptly
 constexpr double kLargestPenalty = 1e7;  // rho times the rounding error of c stays below 1e-8
 constexpr double kGoodReduction = 0.3;   // of the multipliers' shift; with less than that, rho grows
@@ -134,7 +132,7 @@ void AugmentedLagrangian::update(AugmentedPoint& point, double rho) {
 
 InnerResult method_of_multipliers(SmoothProgram& program, const Eigen::VectorXd& start, const InnerOptions& options,
                                   Meter& meter, Descent& descent) {
-  AugmentedLagrangian phi{program, options, meter, kFirstPenalty};
+  AugmentedLagrangian phi{program, options, meter, options.first_penalty};
   AugmentedPoint here;
   here.v = start;
   if (!phi.evaluate(here)) return phi.result(InnerStatus::kFailed);

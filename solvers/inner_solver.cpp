@@ -31,8 +31,9 @@ void check(const SmoothProgram& program, const Eigen::VectorXd& start, const Inn
     throw std::invalid_argument(fmt::format("minimise: max_iterations {} and max_evaluations {} must be at least 1",
                                             options.max_iterations, options.max_evaluations));
   }
-  if (!(options.tolerance > 0.0)) {
-    throw std::invalid_argument(fmt::format("minimise: tolerance {} must be positive", options.tolerance));
+  if (!(options.tolerance > 0.0) || !(options.first_penalty > 0.0)) {
+    throw std::invalid_argument(fmt::format("minimise: tolerance {} and first_penalty {} must be positive",
+                                            options.tolerance, options.first_penalty));
   }
 }
 

@@ -253,6 +253,7 @@ TEST(Minimise, RefusesOptionsThatMakeNoSense) {
   EXPECT_THROW((void)minimise(Inner::kOwn, program, start, {.max_evaluations = 0}, meter), std::invalid_argument);
   EXPECT_THROW((void)minimise(Inner::kOwn, program, start, {.tolerance = 0.0}, meter), std::invalid_argument);
   EXPECT_THROW((void)minimise(Inner::kOwn, program, start, {.tolerance = std::nan("")}, meter), std::invalid_argument);
+  EXPECT_THROW((void)minimise(Inner::kOwn, program, start, {.first_penalty = 0.0}, meter), std::invalid_argument);
 }
 
 TEST(InnerNames, AreUniqueAndReadBack) {

@@ -1,0 +1,273 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <modsearch/solvers/meter.hpp>
+#include <modsearch/solvers/solver.hpp>
+#include <thread>
+
+namespace modsearch::test {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+/// A problem that scores what it is told, whatever the design.
+class Script final : public DesignProblem {
+ public:
+  struct Line {
+    double score = 0.0;
+    bool achieved = true;
+  };
+  explicit Script(std::deque<Line> lines) : lines_{std::move(lines)} {}
+
+  [[nodiscard]] std::string name() const override { return "script"; }
+  [[nodiscard]] const ModuleLibrary& library() const override {
+    static const ModuleLibrary library = make_library();
+    return library;
+  }
+  [[nodiscard]] int max_modules() const override { return 3; }
+  [[nodiscard]] Eigen::VectorXd context() const override { return {}; }
+  [[nodiscard]] int calls() const { return calls_; }
+
+ private:
+  // A base with an output, which is all that the empty design needs.
+  static ModuleLibrary make_library() {
+    Connector world, out;
+    world.id = world.type = "base";
+    out.id = out.type = "out";
+    ModuleType base;
+    base.id = "base";
+    base.bodies.resize(1);
+    base.bodies[0].connectors = {world, out};
+    return ModuleLibrary{"script", {base}};
+  }
+  [[nodiscard]] Evaluation do_evaluate(const Design&, Fidelity) const override {
+    ++calls_;
+    const Line line = lines_.empty() ? Line{} : lines_.front();
+    if (!lines_.empty()) lines_.pop_front();
+    if (line.score == kInf) throw std::runtime_error{"the script says throw"};
+    Evaluation evaluation;
+    evaluation.score = line.score;
+    evaluation.attempt.achieved = evaluation.attempt.reached = line.achieved;
+    evaluation.attempt.why = line.achieved ? Failure::kNone : Failure::kUnreachable;
+    evaluation.attempt.work = {.forward = 3, .ik_iterations = 5, .distances = 7, .planner_states = 11};
+    return evaluation;
+  }
+  mutable std::deque<Line> lines_;
+  mutable int calls_ = 0;
+};
+
+const Design kEmpty;
+
+TEST(Meter, RefusesTheEvaluationAfterTheLast) {
+  const Script problem{{}};
+  Meter meter{{.evaluations = 3}};
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(meter.stopped(), std::nullopt);
+    EXPECT_TRUE(meter.evaluate(problem, kEmpty).has_value());
+  }
+  EXPECT_EQ(meter.stopped(), StopReason::kEvaluations);
+  EXPECT_FALSE(meter.evaluate(problem, kEmpty).has_value());
+  EXPECT_EQ(problem.calls(), 3);
+  EXPECT_EQ(meter.progress().evaluations, 3);
+}
+
+TEST(Meter, EvaluatesNothingOnABudgetOfZero) {
+  const Script problem{{}};
+  for (const Budget& budget : {Budget{.evaluations = 0}, Budget{.seconds = 0.0}}) {
+    Meter meter{budget};
+    EXPECT_FALSE(meter.evaluate(problem, kEmpty).has_value());
+    EXPECT_FALSE(meter.best().has_value());
+  }
+  EXPECT_EQ(problem.calls(), 0);
+}
+
+TEST(Meter, SaysThatTheTimeIsUp) {
+  Meter meter{{.seconds = 1e-6}};
+  while (meter.progress().seconds < 1e-6) {
+  }
+  EXPECT_EQ(meter.stopped(), StopReason::kSeconds);
+}
+
+TEST(Meter, StopsAtTheTargetScoreOfAnAchievedDesign) {
+  const Script problem{{{.score = 9.0, .achieved = false}, {.score = 4.9}, {.score = 5.0}}};
+  Meter meter{{.target_score = 5.0}};
+  (void)meter.evaluate(problem, kEmpty);
+  EXPECT_EQ(meter.stopped(), std::nullopt);  // a score without the deed does not count
+  (void)meter.evaluate(problem, kEmpty);
+  EXPECT_EQ(meter.stopped(), std::nullopt);
+  (void)meter.evaluate(problem, kEmpty);
+  EXPECT_EQ(meter.stopped(), StopReason::kTargetScore);
+}
+
+TEST(Meter, HearsWhoeverAsksToStop) {
+  const Script problem{{}};
+  std::stop_source source;
+  Meter meter{{}, {}, source.get_token()};
+  EXPECT_TRUE(meter.evaluate(problem, kEmpty).has_value());
+  std::thread{[&] { source.request_stop(); }}.join();
+  EXPECT_EQ(meter.stopped(), StopReason::kInterrupted);
+  EXPECT_FALSE(meter.evaluate(problem, kEmpty).has_value());
+}
+
+TEST(Meter, KeepsTheBestByStandingThenScore) {
+  const Script problem{{{.score = 1.0, .achieved = false},
+                        {.score = 7.0, .achieved = false},
+                        {.score = 6.0, .achieved = false},
+                        {.score = -3.0},
+                        {.score = 8.0, .achieved = false},
+                        {.score = -3.0},
+                        {.score = 2.0}}};
+  Meter meter;
+  while (meter.progress().evaluations < 7) (void)meter.evaluate(problem, kEmpty);
+  ASSERT_TRUE(meter.best().has_value());
+  EXPECT_EQ(meter.best()->evaluation.score, 2.0);
+  EXPECT_TRUE(meter.best()->evaluation.attempt.achieved);
+}
+
+TEST(Meter, TracesEveryImprovementAndNothingElse) {
+  const Script problem{{{.score = 1.0, .achieved = false},
+                        {.score = 0.5, .achieved = false},
+                        {.score = 7.0, .achieved = false},
+                        {.score = -3.0},
+                        {.score = 8.0, .achieved = false},
+                        {.score = -3.0},
+                        {.score = 2.0}}};
+  Meter meter;
+  while (meter.progress().evaluations < 7) (void)meter.evaluate(problem, kEmpty);
+  std::vector<std::int64_t> evaluations;
+  std::vector<double> scores;
+  double seconds = 0.0;
+  for (const TracePoint& point : meter.trace()) {
+    evaluations.push_back(point.evaluations);
+    scores.push_back(point.score);
+    EXPECT_GE(point.seconds, seconds);
+    seconds = point.seconds;
+  }
+  EXPECT_EQ(evaluations, (std::vector<std::int64_t>{1, 3, 4, 7}));
+  EXPECT_EQ(scores, (std::vector<double>{1.0, 7.0, -3.0, 2.0}));
+  EXPECT_FALSE(meter.trace()[1].achieved);
+  EXPECT_TRUE(meter.trace()[2].achieved);
+}
+
+TEST(Meter, TakesNotANumberForTheWorstScore) {
+  const Script problem{{{.score = std::nan("")}, {.score = -1e9, .achieved = false}}};
+  Meter meter;
+  const std::optional<Evaluation> evaluation = meter.evaluate(problem, kEmpty);
+  ASSERT_TRUE(evaluation.has_value());
+  EXPECT_EQ(evaluation->score, -kInf);
+  EXPECT_FALSE(evaluation->attempt.achieved);
+  EXPECT_EQ(evaluation->attempt.why, Failure::kNotANumber);
+  EXPECT_EQ(meter.progress().failed, 1);
+  (void)meter.evaluate(problem, kEmpty);
+  EXPECT_EQ(meter.best()->evaluation.score, -1e9);
+  EXPECT_EQ(meter.progress().failed, 1);
+}
+
+TEST(Meter, CountsAnEvaluationThatThrows) {
+  const Script problem{{{.score = kInf}, {.score = 1.0}}};
+  Meter meter;
+  EXPECT_THROW((void)meter.evaluate(problem, kEmpty), std::runtime_error);
+  EXPECT_EQ(meter.progress().evaluations, 1);
+  EXPECT_EQ(meter.evaluate(problem, kEmpty)->score, 1.0);
+}
+
+TEST(Meter, NeverKeepsAScreeningAsTheBest) {
+  const Script problem{{{.score = 100.0}, {.score = 1.0}}};
+  Meter meter{{.target_score = 50.0}};
+  EXPECT_EQ(meter.evaluate(problem, kEmpty, Fidelity::kScreen)->score, 100.0);
+  EXPECT_FALSE(meter.best().has_value());
+  EXPECT_EQ(meter.stopped(), std::nullopt);
+  (void)meter.evaluate(problem, kEmpty);
+  EXPECT_EQ(meter.best()->evaluation.score, 1.0);
+  EXPECT_EQ(meter.progress().evaluations, 2);
+}
+
+TEST(Meter, SumsTheInnerWork) {
+  const Script problem{{}};
+  Meter meter;
+  (void)meter.evaluate(problem, kEmpty);
+  (void)meter.evaluate(problem, kEmpty);
+  meter.count(Work{.forward = 100});
+  meter.count_program(4);
+  meter.count_program(5);
+  const Progress progress = meter.progress();
+  EXPECT_EQ(progress.work.forward, 3 + 3 + 100);
+  EXPECT_EQ(progress.work.ik_iterations, 10);
+  EXPECT_EQ(progress.work.distances, 14);
+  EXPECT_EQ(progress.work.planner_states, 22);
+  EXPECT_EQ(progress.program_evaluations, 9);
+}
+
+TEST(Meter, ShowsItselfAfterEveryEvaluationAndNowAndThenInBetween) {
+  const Script problem{{}};
+  std::vector<std::int64_t> seen;
+  Meter meter{{}, [&](const Meter& it) { seen.push_back(it.progress().evaluations); }};
+  (void)meter.evaluate(problem, kEmpty);
+  (void)meter.evaluate(problem, kEmpty);
+  EXPECT_EQ(seen, (std::vector<std::int64_t>{1, 2}));
+  for (int i = 0; i < 10'000; ++i) meter.count_program(1);
+  EXPECT_EQ(seen.size(), 2U + 2U);  // at 4096 and 8192
+}
+
+TEST(Meter, RefusesABudgetThatMakesNoSense) {
+  EXPECT_THROW(Meter{Budget{.evaluations = -1}}, std::invalid_argument);
+  EXPECT_THROW(Meter{Budget{.seconds = -1.0}}, std::invalid_argument);
+  EXPECT_THROW(Meter{Budget{.seconds = std::nan("")}}, std::invalid_argument);
+  EXPECT_THROW(Meter{Budget{.target_score = std::nan("")}}, std::invalid_argument);
+}
+
+/// Evaluates the empty design so many times, then says what it was told to say.
+class Repeater final : public Solver {
+ public:
+  Repeater(int times, SearchEnd end) : times_{times}, end_{std::move(end)} {}
+  [[nodiscard]] std::string name() const override { return "repeater"; }
+
+ private:
+  [[nodiscard]] SearchEnd do_solve(const DesignProblem& problem, Meter& meter, Rng) const override {
+    for (int i = 0; i < times_; ++i) {
+      if (!meter.evaluate(problem, kEmpty)) break;
+    }
+    return end_;
+  }
+  int times_;
+  SearchEnd end_;
+};
+
+TEST(Solver, AnswersWithTheBestOfTheMeter) {
+  const Script problem{{{.score = 1.0}, {.score = 3.0}, {.score = 2.0}}};
+  Meter meter;
+  const Solution solution =
+      Repeater{3, {.stop = StopReason::kExhausted, .reason = "three", .bound = Bound{4.0, "by law"}}}.solve(
+          problem, meter, Rng{1});
+  EXPECT_EQ(solution.evaluation.score, 3.0);
+  EXPECT_EQ(solution.spent.evaluations, 3);
+  EXPECT_EQ(solution.stop, StopReason::kExhausted);
+  EXPECT_EQ(solution.reason, "three");
+  ASSERT_TRUE(solution.bound.has_value());
+  EXPECT_EQ(solution.bound->score, 4.0);
+}
+
+TEST(Solver, EndsForTheReasonOfTheMeterUnlessItHasAProof) {
+  const Script problem{{}};
+  Meter spent{{.evaluations = 2}};
+  EXPECT_EQ((Repeater{5, {}}.solve(problem, spent, Rng{1}).stop), StopReason::kEvaluations);
+  Meter proved{{.evaluations = 2}};
+  EXPECT_EQ((Repeater{2, {.stop = StopReason::kOptimal, .reason = "by law", .bound = {}}}
+                 .solve(problem, proved, Rng{1})
+                 .stop),
+            StopReason::kOptimal);
+}
+
+TEST(Solver, AnswersWithTheEmptyDesignIfNothingWasEvaluated) {
+  const Script problem{{}};
+  Meter meter{{.evaluations = 0}};
+  const Solution solution = Repeater{1, {}}.solve(problem, meter, Rng{1});
+  EXPECT_EQ(solution.design, Design{});
+  EXPECT_EQ(solution.evaluation.score, -kInf);
+  EXPECT_FALSE(solution.evaluation.attempt.achieved);
+  EXPECT_EQ(solution.stop, StopReason::kEvaluations);
+}
+
+}  // namespace
+}  // namespace modsearch::test
