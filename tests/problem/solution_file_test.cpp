@@ -194,6 +194,41 @@ TEST_F(SolutionFile, IsRefusedWhereItContradictsItself) {
   EXPECT_THAT(with("/goalError_m", -0.1), HasSubstr("at /goalError_m: -0.1 is not at least 0"));
 }
 
+// A solution as CoBRA writes it: no "modsearch", no design, modules without parameters.
+TEST_F(SolutionFile, OfCobrasOwnIsReadByItsModules) {
+  json problem = json::parse(text_of(std::filesystem::path(MODSEARCH_SOURCE) / "data/scenarios/seed_fixed.json"));
+  json library = json::parse(text_of(std::filesystem::path(MODSEARCH_SOURCE) / "data/libraries/seed.json"));
+  json& link = library["modules"][1];  // frozen at 1 m
+  link.erase("parameters");
+  link["bodies"][0]["mass"] = 1.0;
+  link["bodies"][0]["r_com"][2] = 0.5;
+  link["bodies"][0]["connectors"][1]["pose"][2][3] = 1.0;
+  link["bodies"][0]["collision"][0]["parameters"]["z"] = 1.0;
+  link["bodies"][0]["collision"][0]["pose"][2][3] = 0.5;
+  problem["library"] = library;
+  const std::string file = folder_.write("problem.json", problem.dump()).string();
+  json text = {
+      {"taskID", "seed/fixed"},
+      {"version", "2022"},
+      {"moduleOrder", {"base", "link", "link"}},
+      {"basePose", {json::parse("[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]")}},
+      {"trajectory", {{"t", {0.0, 1.0}}, {"q", {{0.0}, {1.0}}}, {"dq", {{0.0}, {0.0}}}, {"goal2time", {{"1", 1.0}}}}},
+      {"cost", 3.0},
+      {"costFunction", "cyc"}};
+  const LoadedSolution loaded = load_solution(write(text), file);
+  EXPECT_EQ(loaded.record.design.types(), (std::vector<int>{0, 0}));
+  EXPECT_EQ(loaded.record.evaluation.attempt.path->waypoints.rows(), 2);
+  EXPECT_FALSE(loaded.record.evaluation.attempt.achieved);
+  text["moduleOrder"] = {"base", "hinge"};
+  try {
+    static_cast<void>(load_solution(write(text), file));
+    FAIL() << "was not refused";
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("at /moduleOrder/1: the module has parameters, which only \"design\" can give"));
+  }
+}
+
 TEST_F(SolutionFile, CannotBeWrittenForADesignOutsideTheLibrary) {
   record_.design.modules[0].parameters[0] = 2.0;
   EXPECT_THROW(static_cast<void>(solution_to_json(*problem_, record_)), std::invalid_argument);
