@@ -277,7 +277,11 @@ bool overlap_of_axes(const A& a, const Isometry3d& X_WA, const Cylinder& b, cons
     const double inner = detail::segment_segment(axes.c, axes.u, half_a, axes.v, half_b).squared;
     if (inner < reach * reach) return true;
   }
-  return distance_of(a, X_WA, b, X_WB) < 0.0;
+  if constexpr (std::is_same_v<A, Cylinder>) {
+    return detail::difference_overlaps(difference(a, X_WA, b, X_WB), axes.nearest.squared > 0.0 ? axes.gap() : axes.c);
+  } else {
+    return distance_of(a, X_WA, b, X_WB) < 0.0;
+  }
 }
 
 bool overlap_of(const Capsule& a, const Isometry3d& X_WA, const Cylinder& b, const Isometry3d& X_WB) {
