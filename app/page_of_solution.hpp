@@ -10,11 +10,11 @@ namespace modsearch::app {
 
 /// What the page shows beside the solution itself.
 struct PageContext {
-  std::optional<Path> path;  ///< the motion to animate; without it the first goal's posture stands still
-  std::optional<Sampling> sampling;
-  std::vector<TracePoint> trace;
-  std::string command;
-  std::string reason;  ///< why it is not achieved or not verified
+  std::optional<Path> path{};  ///< the motion to animate; without it the first goal's posture stands still
+  std::optional<Sampling> sampling{};
+  std::vector<TracePoint> trace{};
+  std::string command{};
+  std::string reason{};  ///< why it is not achieved or not verified
 };
 
 /// The 3-D page of a solution of `problem`.

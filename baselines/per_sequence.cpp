@@ -133,6 +133,8 @@ void PerSequence::solve_sequence(const DesignProblem& problem, std::span<const i
     for (int start = 0; start < options_.starts; ++start) {
       if (meter.stopped()) return;
       InnerOptions inner = options_.inner_options;
+      // Half of the starts stay where they are feasible, half may cross the space: see InnerOptions::first_penalty.
+      if (start % 2 == 0) inner.first_penalty = 1e3;
       inner.seed = rng.fork(static_cast<std::uint64_t>(start)).bits();
       const InnerResult result = minimise(options_.inner, *program, program->start(start), inner, meter);
       if (result.v.size() != program->n_variables() || !result.v.allFinite()) continue;

@@ -10,7 +10,7 @@ struct PerSequenceOptions {
   /// Low-discrepancy starts per sequence. Eight: local methods solve 60-95 % of single starts on chains of up to five
   /// joints, so eight miss a sequence in less than one case in a thousand.
   int starts = 8;
-  InnerOptions inner_options;
+  InnerOptions inner_options{};
 };
 
 /// Per-sequence continuous optimisation: type sequences in order of an optimistic bound (modules, mass by reach), each

@@ -112,7 +112,8 @@ TaskProgram::TaskProgram(const RobotProblem& problem, std::span<const int> types
       chain_{problem.chain(types)},
       arm_{chain_, parameter_box(problem.library(), types).lower} {
   const ParameterBox box = parameter_box(problem.library(), types);
-  for (const ArmGeometry& geometry : chain_.at(box.upper).geometries()) greatest_radius_.push_back(geometry.bounding_radius);
+  const Arm longest = chain_.at(box.upper);
+  for (const ArmGeometry& geometry : longest.geometries()) greatest_radius_.push_back(geometry.bounding_radius);
   const auto n_goals = static_cast<Eigen::Index>(problem.task().goals().size());
   n_x_ = box.lower.size();
   n_q_ = chain_.n_joints();

@@ -9,11 +9,11 @@ namespace modsearch {
 
 /// What somebody says about a design; whatever is empty is not checked.
 struct Claims {
-  std::optional<double> score;
-  std::optional<bool> reached;
-  std::optional<bool> achieved;
-  std::optional<Eigen::MatrixXd> postures;  ///< [n_goals x n_joints]
-  std::optional<Path> path;                 ///< home through all goals
+  std::optional<double> score{};
+  std::optional<bool> reached{};
+  std::optional<bool> achieved{};
+  std::optional<Eigen::MatrixXd> postures{}; ///< [n_goals x n_joints]
+  std::optional<Path> path{};                 ///< home through all goals
 };
 
 struct VerificationOptions {
