@@ -1,8 +1,11 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
@@ -92,6 +95,17 @@ void describe(CLI::App& app, Arguments& a) {
   add_common(list, a.common, "modsearch list solvers");
 }
 
+// CLI11 says of an unknown command only that one is required.
+void check_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    known.push_back(command->get_name());
+  }
+  if (std::find(known.begin(), known.end(), argv[1]) != known.end()) return;
+  throw std::invalid_argument(fmt::format("'{}' is not one of {}", argv[1], fmt::join(known, ", ")));
+}
+
 Status run(const CLI::App& app, const Arguments& a, const std::stop_token& stop) {
   if (app.got_subcommand("solve")) return solve(a.solve, a.common, stop);
   if (app.got_subcommand("evaluate")) return evaluate(a.evaluate, a.common);
@@ -115,6 +129,7 @@ int main(int argc, char** argv) {
   arguments.common.command = typed(argc, argv);
   describe(app, arguments);
   try {
+    check_command(app, argc, argv);
     app.parse(argc, argv);
     return static_cast<int>(run(app, arguments, stop));
   } catch (const CLI::CallForHelp& e) {

@@ -125,11 +125,25 @@ TEST(Verify, RefusesATamperedScore) {
   const TemporaryFolder folder;
   ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder).status, 0);
   json solution = json::parse(read_text(folder / "out/solution.json"));
-  solution["score"] = 345.0;
+  solution["score"] = solution["score"].get<double>() + 3.0;
+  for (json& term : solution["terms"]) {
+    if (term["name"] == "mass") term["value"] = term["value"].get<double>() + 3.0;
+  }
   write(folder / "out/solution.json", solution.dump());
   const Outcome verified = modsearch({"verify", folder / "out/solution.json"}, folder);
   EXPECT_EQ(verified.status, 1) << verified.err;
-  EXPECT_THAT(verified.out, HasSubstr("345"));
+  EXPECT_THAT(verified.out, HasSubstr("344.91482"));
+}
+
+TEST(Verify, RefusesAFileThatContradictsItself) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder).status, 0);
+  json solution = json::parse(read_text(folder / "out/solution.json"));
+  solution["score"] = 345.0;  // no longer the sum of the terms
+  write(folder / "out/solution.json", solution.dump());
+  const Outcome verified = modsearch({"verify", folder / "out/solution.json"}, folder);
+  EXPECT_EQ(verified.status, 2);
+  EXPECT_THAT(verified.err, HasSubstr("345"));
 }
 
 TEST(Verify, RefusesADesignThatMissesTheTarget) {
