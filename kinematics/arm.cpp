@@ -18,28 +18,37 @@ std::optional<double> impossible_size(const AffineShape& shape, const Eigen::Vec
   return std::nullopt;
 }
 
+// Both work on whole columns of the 4 x 4 matrices: four numbers make two vector instructions, three make none, and the
+// last row comes out right by itself.
+
 // Rotates the frame about its own z axis: only its first two columns change.
 void turn_about_z(Eigen::Isometry3d& X, double angle) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
-  const Eigen::Vector3d x_axis = X.linear().col(0);
-  const Eigen::Vector3d y_axis = X.linear().col(1);
-  X.linear().col(0) = c * x_axis + s * y_axis;
-  X.linear().col(1) = c * y_axis - s * x_axis;
+  const Eigen::Vector4d x_axis = X.matrix().col(0);
+  const Eigen::Vector4d y_axis = X.matrix().col(1);
+  X.matrix().col(0) = c * x_axis + s * y_axis;
+  X.matrix().col(1) = c * y_axis - s * x_axis;
 }
 
-// X_AC = X_AB * X_BC without the last row of the 4 x 4 matrices.
-void compose(const Eigen::Isometry3d& X_AB, const Eigen::Isometry3d& X_BC, Eigen::Isometry3d& X_AC) {
-  X_AC.linear().noalias() = X_AB.linear() * X_BC.linear();
-  X_AC.translation().noalias() = X_AB.linear() * X_BC.translation();
-  X_AC.translation() += X_AB.translation();
-  X_AC.makeAffine();
+// X_AC = X_AB * X_BC; `rotates` false: the rotation of X_BC is the identity.
+void compose(const Eigen::Isometry3d& X_AB, const Eigen::Isometry3d& X_BC, bool rotates, Eigen::Isometry3d& X_AC) {
+  const Eigen::Matrix4d& A = X_AB.matrix();
+  const Eigen::Matrix4d& B = X_BC.matrix();
+  Eigen::Matrix4d& C = X_AC.matrix();
+  if (rotates) {
+    for (int k = 0; k < 3; ++k) C.col(k) = A.col(0) * B(0, k) + A.col(1) * B(1, k) + A.col(2) * B(2, k);
+  } else {
+    C.leftCols<3>() = A.leftCols<3>();
+  }
+  C.col(3) = A.col(0) * B(0, 3) + A.col(1) * B(1, 3) + A.col(2) * B(2, 3) + A.col(3);
 }
 
 }  // namespace
 
 Arm::Arm(const Chain& chain, const Eigen::VectorXd& x) : chain_{&chain} {
   segments_.resize(static_cast<std::size_t>(chain.n_joints()) + 1, Eigen::Isometry3d::Identity());
+  segment_rotates_.resize(segments_.size());
   for (std::size_t b = 0; b < chain.bodies().size(); ++b) {
     for (std::size_t g = 0; g < chain.bodies()[b].geometries.size(); ++g) {
       geometries_.push_back({static_cast<int>(b), chain.bodies()[b].frame, {}, Eigen::Isometry3d::Identity(), 0.0});
@@ -63,6 +72,7 @@ void Arm::set_parameters(const Eigen::VectorXd& x) {
     Eigen::Isometry3d& X = segments_[static_cast<std::size_t>(j)];
     X.linear() = segment.rotation;
     X.translation() = segment.translation.at(x);
+    segment_rotates_[static_cast<std::size_t>(j)] = segment.rotation != Eigen::Matrix3d::Identity();
   }
   std::size_t index = 0;
   for (const Body& body : chain_->bodies()) {
@@ -95,22 +105,22 @@ void Arm::forward(const double* q, Posture& posture) const {
   posture.frames[0].setIdentity();
   for (std::size_t j = 0; j < n; ++j) {
     Eigen::Isometry3d& X_WF = posture.frames[j + 1];
-    compose(posture.frames[j], segments_[j], X_WF);
+    compose(posture.frames[j], segments_[j], segment_rotates_[j], X_WF);
     if (chain_->joints()[j].rotates()) {
       turn_about_z(X_WF, q[j]);
     } else {
       X_WF.translation() += q[j] * X_WF.linear().col(2);
     }
   }
-  compose(posture.frames[n], segments_[n], posture.tip);
+  compose(posture.frames[n], segments_[n], segment_rotates_[n], posture.tip);
 }
 
 Eigen::Matrix3Xd Arm::point_jacobian_q(const Posture& posture, int frame, const Eigen::Vector3d& p_W) const {
   Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, n_joints());
   for (int j = 0; j < frame; ++j) {
     const Eigen::Vector3d axis = posture.axis(j);
-    J.col(j) = chain_->joints()[static_cast<std::size_t>(j)].rotates() ? axis.cross(p_W - posture.origin(j)).eval()
-                                                                       : axis;
+    J.col(j) =
+        chain_->joints()[static_cast<std::size_t>(j)].rotates() ? axis.cross(p_W - posture.origin(j)).eval() : axis;
   }
   return J;
 }
@@ -135,9 +145,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> Arm::tip_jacobian_q(const Posture& post
   return J;
 }
 
-Eigen::Matrix3Xd Arm::tip_jacobian_x(const Posture& posture) const {
-  return frame_jacobian_x(posture, n_joints() + 1);
-}
+Eigen::Matrix3Xd Arm::tip_jacobian_x(const Posture& posture) const { return frame_jacobian_x(posture, n_joints() + 1); }
 
 Eigen::MatrixXd Arm::tip_hessian(const Posture& posture, const Eigen::Vector3d& y) const {
   const int n_x = chain_->n_parameters();

@@ -63,6 +63,7 @@ class Arm {
   const Chain* chain_;
   Eigen::VectorXd x_;
   std::vector<Eigen::Isometry3d> segments_;  // [n_joints + 1]
+  std::vector<char> segment_rotates_;        // [n_joints + 1]; many do not: links, and hinges in a row
   std::vector<ArmGeometry> geometries_;
 };
 

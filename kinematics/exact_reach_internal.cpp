@@ -120,7 +120,7 @@ struct Interval {
 std::vector<Interval> splits(const Coaxial& pair, double sum) {
   const auto [least, greatest] = sum_range(pair);
   std::vector<Interval> result;
-  const double slack = 1e-12;  // the sum may stand at its limit
+  const double slack = 1e-11;  // the sum may stand at its limit, or in the gap of an almost full circle
   for (double turn = std::ceil((least - slack - sum) / kTurn); sum + turn * kTurn <= greatest + slack; turn += 1.0) {
     const double s = sum + turn * kTurn;
     double lower = pair.sign * (s - pair.outer.upper);
@@ -128,7 +128,9 @@ std::vector<Interval> splits(const Coaxial& pair, double sum) {
     if (lower > upper) std::swap(lower, upper);
     lower = std::max(lower, pair.inner.lower);
     upper = std::min(upper, pair.inner.upper);
-    if (upper < lower && lower - upper <= 2.0 * slack) lower = upper = std::clamp(lower, pair.inner.lower, pair.inner.upper);
+    if (upper < lower && lower - upper <= 2.0 * slack) {
+      lower = upper = std::clamp(lower, pair.inner.lower, pair.inner.upper);
+    }
     if (lower <= upper) result.push_back({lower, upper, s});
   }
   return result;

@@ -1,10 +1,9 @@
-#include <modsearch/kinematics/inverse_kinematics.hpp>
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <modsearch/kinematics/exact_reach_internal.hpp>
+#include <modsearch/kinematics/inverse_kinematics.hpp>
 #include <modsearch/kinematics/local_ik_internal.hpp>
 #include <numbers>
 #include <stdexcept>
@@ -51,6 +50,11 @@ IkSolution exact_solution(const Arm& arm, const PoseRegion& region, const IkOpti
   solution.reached = verdict.reached;
   solution.violation = verdict.violation;
   solution.position_error = verdict.position_error;
+  // Where the tolerance ends between the best and an equally close one, only what lies inside may speak for the arm.
+  if (verdict.reached && verdict.position_error + 2.0 * options.tie > region.tolerances().front().upper) {
+    std::erase_if(solution.postures,
+                  [&](const Eigen::VectorXd& q) { return !internal::judge(arm, region, q).reached; });
+  }
   solution.iterations = work.iterations;
   solution.forward = work.forward;
   return solution;
@@ -123,10 +127,14 @@ IkSolution local_solution(const Arm& arm, const PoseRegion& region, const IkOpti
 }  // namespace
 
 IkSolution inverse_kinematics(const Arm& arm, const PoseRegion& region, const IkOptions& options) {
-  if (options.starts < 1 || options.iterations < 1 || options.family_points < 1 || !(options.tie >= 0.0)) {
+  constexpr double kWidestTie = 1e-8;
+  if (options.starts < 1 || options.iterations < 1 || options.family_points < 1) {
     throw std::invalid_argument(
-        fmt::format("inverse_kinematics: starts {}, iterations {}, family points {} must be at least 1, tie {} at least 0",
-                    options.starts, options.iterations, options.family_points, options.tie));
+        fmt::format("inverse_kinematics: starts {}, iterations {}, family points {} must be at least 1", options.starts,
+                    options.iterations, options.family_points));
+  }
+  if (!(options.tie >= 0.0 && options.tie <= kWidestTie)) {
+    throw std::invalid_argument(fmt::format("inverse_kinematics: tie {} is not in [0, {}]", options.tie, kWidestTie));
   }
   if (arm.n_joints() == 0) {
     const internal::Verdict verdict = internal::judge(arm, region, Eigen::VectorXd{0});

@@ -103,7 +103,11 @@ Verdict judge(const Arm& arm, const PoseRegion& region, const Eigen::VectorXd& q
 }
 
 LocalIk::LocalIk(const Arm& arm, const PoseRegion& region, int max_iterations)
-    : arm_{arm}, region_{region}, ball_{region.is_ball()}, residuals_{drawn_in(region)}, max_iterations_{max_iterations} {
+    : arm_{arm},
+      region_{region},
+      ball_{region.is_ball()},
+      residuals_{drawn_in(region)},
+      max_iterations_{max_iterations} {
   const int n = arm.n_joints();
   lower_ = arm.chain().lower_limits();
   upper_ = arm.chain().upper_limits();
@@ -179,7 +183,7 @@ bool LocalIk::pressed(const Eigen::VectorXd& q, int j) const {
 }
 
 Verdict LocalIk::refine(Eigen::VectorXd q) {
-  constexpr double kZero = 1e-28;         // of the cost: nothing left to gain
+  constexpr double kZero = 1e-28;          // of the cost: nothing left to gain
   constexpr double kShortestStep = 1e-10;  // [rad] or [m]
   constexpr double kLongestStep = 1.0;     // longer steps leave the range where the linear model means anything
   constexpr double kLeastDamping = 1e-9;   // redundant arms have a singular Hessian

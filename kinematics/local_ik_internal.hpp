@@ -18,7 +18,8 @@ struct Verdict {
 };
 [[nodiscard]] Verdict judge(const Arm& arm, const PoseRegion& region, const Eigen::VectorXd& q);
 
-/// Violations of a region as residuals whose squares add up to the same sum, but that a Gauss-Newton method understands.
+/// Violations of a region as residuals whose squares add up to the same sum, but that a Gauss-Newton method
+/// understands.
 ///
 /// A violated length (r_sph, r_cyl, Theta_R) counts as the vector from the allowed shell to the point, not as a number:
 /// of the number's gradient alone the method would believe that all directions across it are free.
@@ -68,7 +69,7 @@ class LocalIk {
   int max_iterations_;
   Eigen::VectorXd lower_, upper_;  // finite
   std::vector<bool> full_circle_;
-  Posture posture_;      // of the last cost()
+  Posture posture_;  // of the last cost()
   Eigen::VectorXd residual_;
   Eigen::VectorXd gradient_;
   Eigen::MatrixXd hessian_;

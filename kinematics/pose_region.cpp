@@ -1,9 +1,8 @@
-#include <modsearch/kinematics/pose_region.hpp>
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <modsearch/kinematics/pose_region.hpp>
 #include <numbers>
 #include <stdexcept>
 

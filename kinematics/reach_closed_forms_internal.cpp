@@ -45,7 +45,8 @@ Angles angles_of(double A, double B, double value_less_offset) {
   return {{middle + half, middle - half}, 2};
 }
 
-// Where the axis through p along the unit vector `a` meets the z axis: its height; nothing if they are parallel or skew.
+// Where the axis through p along the unit vector `a` meets the z axis: its height; nothing if they are parallel or
+// skew.
 std::optional<double> meeting_height(const Eigen::Vector3d& p, const Eigen::Vector3d& a) {
   const double across = std::hypot(a.x(), a.y());
   if (across < 1e-3) return std::nullopt;  // nearly parallel: the meeting point would be ill-defined
@@ -72,7 +73,8 @@ class Collector {
     if (distance > least_ + tie_) return;
     const double q0 = std::atan2(t.y() * tip.x() - t.x() * tip.y(), t.x() * tip.x() + t.y() * tip.y());
     const auto& links = problem_.links;
-    const ReachJoints q{into_turn(links[0], q0), into_turn(links[1], q1), problem_.n == 3 ? into_turn(links[2], q2) : 0.0};
+    const ReachJoints q{into_turn(links[0], q0), into_turn(links[1], q1),
+                        problem_.n == 3 ? into_turn(links[2], q2) : 0.0};
     if (distance < least_ - tie_) result_.minima.resize(0);
     if (distance < least_) {
       least_ = distance;

@@ -12,8 +12,8 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 // Postures closer than this in every joint are the same [rad] or [m]: below what clearance can tell apart.
 constexpr double kSame = 1e-5;
-// Flatness below which a minimum may belong to a family: far above rounding. At distance zero the flatness is the square
-// of the ratio of the Jacobian's singular values, so this is 1e-4 of singular. A false alarm costs time only.
+// Flatness below which a minimum may belong to a family: far above rounding. At distance zero the flatness is the
+// square of the ratio of the Jacobian's singular values, so this is 1e-4 of singular. A false alarm costs time only.
 constexpr double kFlat = 1e-8;
 // Flatness below which a second minimum may lie within a step of the grid (a fold of the arm's reach).
 constexpr double kFold = 0.1;
@@ -50,9 +50,8 @@ class Search {
     // The roots are all postures at distance zero.
     if (!touches()) from_grid();
     if (!touches()) from_limits();
-    std::stable_sort(minima_.begin(), minima_.end(), [](const Minimum& a, const Minimum& b) {
-      return a.nearest.distance < b.nearest.distance;
-    });
+    std::stable_sort(minima_.begin(), minima_.end(),
+                     [](const Minimum& a, const Minimum& b) { return a.nearest.distance < b.nearest.distance; });
     return std::move(minima_);
   }
 
@@ -72,8 +71,7 @@ class Search {
 
   void from_grid() {
     NearestList starts = problem_.n == 2 ? grid_minima_2(problem_) : grid_minima_3(problem_);
-    std::sort(starts.begin(), starts.end(),
-              [](const Nearest& a, const Nearest& b) { return a.distance < b.distance; });
+    std::sort(starts.begin(), starts.end(), [](const Nearest& a, const Nearest& b) { return a.distance < b.distance; });
     const double uncertainty = grid_uncertainty(problem_);
     for (const Nearest& start : starts) {
       if (finished() || start.distance > best_ + uncertainty) return;

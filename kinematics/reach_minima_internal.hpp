@@ -17,8 +17,8 @@ struct Minimum {
 /// The minima of one joint, least distance first: the target's nearest point on an arc or a segment, in closed form.
 [[nodiscard]] NearestList one_joint_minima(const ReachProblem& problem);
 
-/// At least one minimum of two or three joints, least distance first; distinct. `all` false: only the first matters, so the search ends when
-/// nothing can be closer. Joints that share an axis must have been merged.
+/// At least one minimum of two or three joints, least distance first; distinct. `all` false: only the first matters, so
+/// the search ends when nothing can be closer. Joints that share an axis must have been merged.
 [[nodiscard]] std::vector<Minimum> minima(const ReachProblem& problem, bool all, ReachWork& work);
 
 }  // namespace modsearch::internal

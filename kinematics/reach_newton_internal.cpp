@@ -146,8 +146,8 @@ void measure_flatness(const ReachProblem& problem, const State<n>& state, Descen
 template <int n>
 Descent descend_n(const ReachProblem& problem, const ReachJoints& start, ReachWork& work) {
   constexpr int kIterations = 60;
-  constexpr double kLongestStep = 0.8;   // [rad] or [m]; longer ones leave the valley that the grid has found
-  constexpr double kQuadratic = 1e-7;    // an undamped step of this size leaves an error of about its square
+  constexpr double kLongestStep = 0.8;    // [rad] or [m]; longer ones leave the valley that the grid has found
+  constexpr double kQuadratic = 1e-7;     // an undamped step of this size leaves an error of about its square
   constexpr double kShortestStep = 1e-9;  // shorter ones change the distance by less than rounding
   constexpr double kFirstDamping = 1e-4;  // relative to the largest entry of the Hessian's diagonal; arbitrary
   State<n> state;

@@ -27,7 +27,8 @@ Eigen::Matrix<double, 5, 1> squared(const Harmonic<Eigen::Vector2d>& v) {
 // Roots of the polynomial with `degree` + 1 coefficients, constant first, by the Ehrlich-Aberth iteration.
 int roots_of(const std::array<Complex, 5>& polynomial, int degree, std::array<Complex, 4>& roots) {
   constexpr int kIterations = 40;
-  for (int i = 0; i < degree; ++i) roots[static_cast<std::size_t>(i)] = std::polar(i % 2 == 0 ? 0.9 : 1.1, 0.4 + 1.6 * i);
+  for (int i = 0; i < degree; ++i)
+    roots[static_cast<std::size_t>(i)] = std::polar(i % 2 == 0 ? 0.9 : 1.1, 0.4 + 1.6 * i);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     double moved = 0.0;
     for (int i = 0; i < degree; ++i) {
@@ -41,7 +42,8 @@ int roots_of(const std::array<Complex, 5>& polynomial, int degree, std::array<Co
       if (value == 0.0) continue;
       Complex repulsion = 0.0;
       for (int j = 0; j < degree; ++j) {
-        if (j != i && z != roots[static_cast<std::size_t>(j)]) repulsion += 1.0 / (z - roots[static_cast<std::size_t>(j)]);
+        if (j != i && z != roots[static_cast<std::size_t>(j)])
+          repulsion += 1.0 / (z - roots[static_cast<std::size_t>(j)]);
       }
       const Complex step = value / (slope - value * repulsion);
       if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) continue;
@@ -102,8 +104,7 @@ NearestList reaching_postures(const ReachProblem& problem) {
   if (base.rotates) {
     const Eigen::Vector3d h = base.R.transpose() * o;
     M << h.x(), h.y(), base.R(2, 0), base.R(2, 1);
-    const double squares =
-        w.constant.squaredNorm() + 0.5 * (w.c.squaredNorm() + w.s.squaredNorm());  // |w.c| = |w.s|
+    const double squares = w.constant.squaredNorm() + 0.5 * (w.c.squaredNorm() + w.s.squaredNorm());  // |w.c| = |w.s|
     beta.constant = {0.5 * (t.squaredNorm() - o.squaredNorm() - squares) - h.z() * w.constant.z(),
                      t.z() - o.z() - base.R(2, 2) * w.constant.z()};
     beta.c = {-w.constant.dot(w.c) - h.z() * w.c.z(), -base.R(2, 2) * w.c.z()};

@@ -46,9 +46,9 @@ Eigen::Vector3d moved(const ReachLink& link, double a, double b, const Eigen::Ve
   return {a * v.x() - b * v.y(), b * v.x() + a * v.y(), v.z()};
 }
 
-// Squared distance of the target from the circle or line that a point p of frame 0 sweeps when joint 0 moves freely. Its
-// limits are left to their own search: a minimum inside them is a minimum without them, while the distance under limits
-// has kinks where the nearest end changes, and two minima as close together as one likes on their two sides.
+// Squared distance of the target from the circle or line that a point p of frame 0 sweeps when joint 0 moves freely.
+// Its limits are left to their own search: a minimum inside them is a minimum without them, while the distance under
+// limits has kinks where the nearest end changes, and two minima as close together as one likes on their two sides.
 class Sweep {
  public:
   explicit Sweep(const ReachProblem& problem)

@@ -6,8 +6,8 @@
 
 namespace modsearch::internal {
 
-/// Local minima of the distance on a regular grid over joint 1 (and joint 2); joint 0 is eliminated in closed form, as if
-/// it had no limits. `q`: with joint 0 within them; `distance`: without.
+/// Local minima of the distance on a regular grid over joint 1 (and joint 2); joint 0 is eliminated in closed form, as
+/// if it had no limits. `q`: with joint 0 within them; `distance`: without.
 [[nodiscard]] NearestList grid_minima_2(const ReachProblem& problem);
 [[nodiscard]] NearestList grid_minima_3(const ReachProblem& problem);
 

@@ -1,7 +1,6 @@
-#include <modsearch/kinematics/affine.hpp>
-
 #include <gmock/gmock.h>
 
+#include <modsearch/kinematics/affine.hpp>
 #include <random>
 
 namespace modsearch {

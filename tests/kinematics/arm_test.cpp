@@ -1,11 +1,10 @@
-#include <modsearch/kinematics/arm.hpp>
-
 #include <gmock/gmock.h>
 
 #include <kdl/chain.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 #include <limits>
+#include <modsearch/kinematics/arm.hpp>
 #include <numbers>
 #include <random>
 
@@ -28,8 +27,8 @@ Eigen::VectorXd random_vector(Eigen::Index size, std::mt19937& generator) {
   return result;
 }
 
-// A random rotation (one in three: none, so that the shortcut for it is met too) and a translation affine in up to three
-// of the parameters.
+// A random rotation (one in three: none, so that the shortcut for it is met too) and a translation affine in up to
+// three of the parameters.
 AffinePose random_pose(std::mt19937& generator) {
   AffineVector p{Eigen::Vector3d{random_vector(3, generator)}};
   const int first = static_cast<int>(generator() % kParameters);
@@ -172,9 +171,9 @@ TEST(Arm, JacobiansOfPointsOnEveryFrameAgreeWithCentralDifferences) {
       const Eigen::Matrix3Xd J_x = arm.frame_jacobian_x(posture, frame);
       for (int k = 0; k < kParameters; ++k) {
         const Eigen::VectorXd h = Eigen::VectorXd::Unit(kParameters, k);  // affine: any step is exact
-        const Eigen::Vector3d expected = (chain.at(x + h).forward(q).frames[f].translation() -
-                                          chain.at(x - h).forward(q).frames[f].translation()) /
-                                         2.0;
+        const Eigen::Vector3d expected =
+            (chain.at(x + h).forward(q).frames[f].translation() - chain.at(x - h).forward(q).frames[f].translation()) /
+            2.0;
         ASSERT_LE((J_x.col(k) - expected).norm(), 1e-13);
       }
     }
@@ -295,7 +294,9 @@ TEST(Arm, RefusesWrongSizesAndNumbersThatAreNone) {
   builder.joint({.name = "base", .lower = -1, .upper = 1});
   builder.body("tube", 0, 1.0, {{shape, {}}});
   const Chain chain = builder.build();
-  const auto at = [&](double length) { return [&chain, length] { (void)chain.at(Eigen::VectorXd::Constant(1, length)); }; };
+  const auto at = [&](double length) {
+    return [&chain, length] { (void)chain.at(Eigen::VectorXd::Constant(1, length)); };
+  };
   EXPECT_NO_THROW(at(0.0)());
   EXPECT_THAT(at(-0.1), ThrowsMessage<std::invalid_argument>(HasSubstr("'tube'")));
   EXPECT_THAT(at(std::nan("")), ThrowsMessage<std::invalid_argument>(HasSubstr("nan")));

@@ -1,9 +1,8 @@
-#include <modsearch/kinematics/arm.hpp>
-
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
+#include <modsearch/kinematics/arm.hpp>
 #include <numbers>
 
 namespace modsearch {
@@ -31,7 +30,10 @@ Chain chain_of(const std::vector<Joint>& joints) {
 TEST(Chain, KeepsWhatTheBuilderWasGivenInOrder) {
   ChainBuilder builder{2};
   const Eigen::Isometry3d up{Eigen::Translation3d{0, 0, 0.3}};
-  builder.move(up).move(up).joint(joint(-1, 2)).move({Eigen::Matrix3d::Identity(), {0.0, AffineScalar::of_parameter(1), 0.0}});
+  builder.move(up)
+      .move(up)
+      .joint(joint(-1, 2))
+      .move({Eigen::Matrix3d::Identity(), {0.0, AffineScalar::of_parameter(1), 0.0}});
   const Chain chain = builder.build();
   EXPECT_EQ(chain.n_joints(), 1);
   EXPECT_EQ(chain.n_parameters(), 2);
@@ -97,8 +99,9 @@ Chain five_bodies(NeighbourRule rule) {
 }
 
 TEST(Chain, RigidRuleComparesAllBodiesWithAJointBetweenThem) {
-  EXPECT_THAT(five_bodies(NeighbourRule::kRigid).self_pairs(),
-              ElementsAre(Pair(0, 2), Pair(0, 3), Pair(0, 4), Pair(1, 2), Pair(1, 3), Pair(1, 4), Pair(2, 4), Pair(3, 4)));
+  EXPECT_THAT(
+      five_bodies(NeighbourRule::kRigid).self_pairs(),
+      ElementsAre(Pair(0, 2), Pair(0, 3), Pair(0, 4), Pair(1, 2), Pair(1, 3), Pair(1, 4), Pair(2, 4), Pair(3, 4)));
 }
 
 TEST(Chain, ViaJointRuleSparesTheTwoBodiesThatAJointConnects) {

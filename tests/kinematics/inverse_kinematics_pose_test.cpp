@@ -1,12 +1,11 @@
 // Inverse kinematics beyond the exact case: full poses, tolerance regions, more joints, and what may not go wrong.
 
-#include <modsearch/kinematics/inverse_kinematics.hpp>
-
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <kinematics/sample_arms.hpp>
 #include <limits>
+#include <modsearch/kinematics/inverse_kinematics.hpp>
 #include <thread>
 
 namespace modsearch {
@@ -100,10 +99,9 @@ TEST(InverseKinematics, FindsEveryPoseThatArmsOfOneToThreeJointsAreKnownToReach)
 
 TEST(InverseKinematics, SatisfiesEveryProjection) {
   std::mt19937 generator{4};
-  for (const Projection projection :
-       {Projection::kX, Projection::kY, Projection::kZ, Projection::kRCyl, Projection::kPhiCyl, Projection::kRSph,
-        Projection::kTheta, Projection::kPhiSph, Projection::kNx, Projection::kNy, Projection::kNz,
-        Projection::kThetaR}) {
+  for (const Projection projection : {Projection::kX, Projection::kY, Projection::kZ, Projection::kRCyl,
+                                      Projection::kPhiCyl, Projection::kRSph, Projection::kTheta, Projection::kPhiSph,
+                                      Projection::kNx, Projection::kNy, Projection::kNz, Projection::kThetaR}) {
     for (const int n_joints : {2, 3, 5}) {
       for (int i = 0; i < 20; ++i) {
         const Chain chain = alternating_arm(n_joints, generator);
@@ -115,8 +113,9 @@ TEST(InverseKinematics, SatisfiesEveryProjection) {
         Tolerance tolerance{.projection = projection, .R_TN = X_WN.linear()};
         // An interval about the value at a posture: it can be met.
         const Eigen::Isometry3d X_WE = arm.forward(sample::random_joints(chain, generator)).tip;
-        const double value = PoseRegion{X_WN, {{.projection = projection, .lower = 0.0, .upper = 0.0, .R_TN = X_WN.linear()}}}
-                                 .values(X_WE)[0];
+        const double value =
+            PoseRegion{X_WN, {{.projection = projection, .lower = 0.0, .upper = 0.0, .R_TN = X_WN.linear()}}}.values(
+                X_WE)[0];
         tolerance.lower = value - 0.01;
         tolerance.upper = value + 0.002;
         const PoseRegion region{X_WN, {tolerance}};
@@ -214,8 +213,7 @@ TEST(InverseKinematics, JointsWithoutRoomStayWhereTheyAre) {
     builder.joint({.name = "j", .lower = 0.2 * j, .upper = 0.2 * j}).move(X);
   }
   const Chain chain = builder.build();
-  const IkSolution solution =
-      inverse_kinematics(chain.at(Eigen::VectorXd{0}), PoseRegion::ball({1, 1, 1}, kTolerance));
+  const IkSolution solution = inverse_kinematics(chain.at(Eigen::VectorXd{0}), PoseRegion::ball({1, 1, 1}, kTolerance));
   ASSERT_THAT(solution.postures, SizeIs(1));
   EXPECT_EQ(solution.postures.front(), Eigen::Vector3d(0.0, 0.2, 0.4));
 }

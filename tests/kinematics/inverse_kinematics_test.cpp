@@ -1,10 +1,9 @@
-#include <modsearch/kinematics/inverse_kinematics.hpp>
-
 #include <gmock/gmock.h>
 
 #include <array>
 #include <cmath>
 #include <kinematics/sample_arms.hpp>
+#include <modsearch/kinematics/inverse_kinematics.hpp>
 #include <thread>
 
 namespace modsearch {
@@ -39,11 +38,10 @@ Eigen::VectorXd random_lengths(const Chain& chain, std::mt19937& generator) {
 // |a - d2| .. a + d2, in every direction.
 // hinge-rotary: the tip stands B = d2 - r off the line through (0, 0, p1), at A = d1 + p2 + r along it: distance
 // hypot(A, B) always; the rotary can put the offset into the plane of the hinge, so every direction is met: a sphere.
-// rotary-hinge: seen in the plane of the level distal part a circle of radius d2 about (a, p1 + r), a = d1 - r + p2; the
-// base shows that plane to the target from either side.
-// rotary-rotary: the second axis is the level line at height z0 = p1 + r; the tip circles about it with radius
-// b = d2 - r at a = (d1 - r) + p2 + r from the z axis: always at distance hypot(a, b) from (0, 0, z0), as high as
-// z0 +- b and no higher.
+// rotary-hinge: seen in the plane of the level distal part a circle of radius d2 about (a, p1 + r), a = d1 - r + p2;
+// the base shows that plane to the target from either side. rotary-rotary: the second axis is the level line at height
+// z0 = p1 + r; the tip circles about it with radius b = d2 - r at a = (d1 - r) + p2 + r from the z axis: always at
+// distance hypot(a, b) from (0, 0, z0), as high as z0 +- b and no higher.
 double least_distance(const std::string& types, const Eigen::VectorXd& x, const Eigen::Vector3d& t) {
   std::string actuated;
   std::array<double, 3> run{};  // straight lengths: before the first actuated joint, after it, after the second
@@ -141,7 +139,8 @@ TEST(InverseKinematics, VerdictOfEverySeedSequenceWithUpToThreeJointsAgreesWithI
       const double expected = least_distance(types, x, t);
       const Arm arm = chain.at(x);
       const IkSolution solution = inverse_kinematics(arm, PoseRegion::ball(t, kTolerance), {.all = false});
-      ASSERT_NEAR(solution.position_error, expected, 1e-11) << types << " x " << x.transpose() << " t " << t.transpose();
+      ASSERT_NEAR(solution.position_error, expected, 1e-11)
+          << types << " x " << x.transpose() << " t " << t.transpose();
       ASSERT_EQ(solution.reached, expected <= kTolerance + PoseRegion::kSlack) << types << ' ' << expected - kTolerance;
       ASSERT_TRUE(solution.exact);
       ASSERT_TRUE(within_limits(chain, solution.postures.front()));
@@ -150,7 +149,6 @@ TEST(InverseKinematics, VerdictOfEverySeedSequenceWithUpToThreeJointsAgreesWithI
   }
   EXPECT_GE(pairs, 10'000);
 }
-
 
 // A chain without structure, or with the right angles and parallel axes of real arms; random limits.
 Chain random_chain(int n_joints, std::mt19937& generator) {

@@ -1,7 +1,6 @@
-#include <modsearch/kinematics/low_discrepancy.hpp>
-
 #include <gmock/gmock.h>
 
+#include <modsearch/kinematics/low_discrepancy.hpp>
 #include <thread>
 #include <vector>
 

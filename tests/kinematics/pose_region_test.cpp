@@ -1,10 +1,9 @@
-#include <modsearch/kinematics/pose_region.hpp>
-
 #include <gmock/gmock.h>
 
 #include <array>
 #include <cmath>
 #include <limits>
+#include <modsearch/kinematics/pose_region.hpp>
 #include <numbers>
 #include <random>
 
@@ -16,9 +15,9 @@ using testing::ThrowsMessage;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::array kProjections{Projection::kX,      Projection::kY,    Projection::kZ,      Projection::kRCyl,
-                                  Projection::kPhiCyl, Projection::kRSph, Projection::kTheta,  Projection::kPhiSph,
-                                  Projection::kNx,     Projection::kNy,   Projection::kNz,     Projection::kThetaR};
+constexpr std::array kProjections{Projection::kX,      Projection::kY,    Projection::kZ,     Projection::kRCyl,
+                                  Projection::kPhiCyl, Projection::kRSph, Projection::kTheta, Projection::kPhiSph,
+                                  Projection::kNx,     Projection::kNy,   Projection::kNz,    Projection::kThetaR};
 
 double uniform(std::mt19937& generator, double lower, double upper) {
   return std::uniform_real_distribution<double>{lower, upper}(generator);
@@ -111,8 +110,8 @@ TEST(PoseRegion, JacobianOfEveryProjectionAgreesWithCentralDifferences) {
       Eigen::Isometry3d X_WE = random_pose(generator);
       // Every fourth deviation small, where series take over.
       if (i % 4 == 0) X_WE = X_WN * pose(0.1 * random_vector(generator), 1e-2 * (i + 1), random_vector(generator));
-      const PoseRegion region{X_WN,
-                              {{.projection = projection, .lower = 0, .upper = 0, .R_TN = random_pose(generator).linear()}}};
+      const PoseRegion region{
+          X_WN, {{.projection = projection, .lower = 0, .upper = 0, .R_TN = random_pose(generator).linear()}}};
       // At half a turn the rotation vector jumps to its opposite.
       if ((X_WN.linear().transpose() * X_WE.linear()).trace() < -0.9999) continue;
       const auto J = region.jacobian(X_WE);
@@ -147,7 +146,8 @@ TEST(PoseRegion, JacobianIsFiniteEverywhere) {
        {Eigen::Vector3d{0, 0, 0}, Eigen::Vector3d{0, 0, 1}, Eigen::Vector3d{0, 0, -1}, Eigen::Vector3d{1e-200, 0, 0},
         Eigen::Vector3d{1e-13, 1e-13, 1}, Eigen::Vector3d{1e6, 1, 1}}) {
     for (const double angle : {0.0, 1e-200, 1e-9, kPi / 2, kPi - 1e-12, kPi}) {
-      for (const Eigen::Vector3d& axis : {Eigen::Vector3d{1, 0, 0}, Eigen::Vector3d{0, 0, 1}, Eigen::Vector3d{1, -1, 1}}) {
+      for (const Eigen::Vector3d& axis :
+           {Eigen::Vector3d{1, 0, 0}, Eigen::Vector3d{0, 0, 1}, Eigen::Vector3d{1, -1, 1}}) {
         EXPECT_TRUE(region.jacobian(pose(p, angle, axis)).allFinite()) << p.transpose() << ' ' << angle;
         EXPECT_TRUE(region.values(pose(p, angle, axis)).allFinite());
       }
@@ -231,14 +231,26 @@ TEST(PoseRegion, DefaultTolerancesAreAMillimetreAndHalfADegree) {
 }
 
 TEST(PoseRegion, RefusesIntervalsAndPosesThatAreNone) {
-  EXPECT_THAT([] { (PoseRegion{pose({0, 0, 0}), {{.projection = Projection::kNx, .lower = 1.0, .upper = -1.0}}}); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("N_x: [1, -1]")));
-  EXPECT_THAT([] { (PoseRegion{pose({0, 0, 0}), {{.projection = Projection::kX, .lower = std::nan(""), .upper = 0.0}}}); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("nan")));
-  EXPECT_THAT([] { (void)PoseRegion::ball({0, 0, 0}, -1.0); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("r_sph")));
-  EXPECT_THAT([] { (void)PoseRegion::ball({0, kInfinity, 0}, 1.0); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("not finite")));
+  EXPECT_THAT(
+      [] {
+        (PoseRegion{pose({0, 0, 0}), {{.projection = Projection::kNx, .lower = 1.0, .upper = -1.0}}});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("N_x: [1, -1]")));
+  EXPECT_THAT(
+      [] {
+        (PoseRegion{pose({0, 0, 0}), {{.projection = Projection::kX, .lower = std::nan(""), .upper = 0.0}}});
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("nan")));
+  EXPECT_THAT(
+      [] {
+        (void)PoseRegion::ball({0, 0, 0}, -1.0);
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("r_sph")));
+  EXPECT_THAT(
+      [] {
+        (void)PoseRegion::ball({0, kInfinity, 0}, 1.0);
+      },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("not finite")));
 }
 
 TEST(Projection, HasTheNameItHasInFiles) {
