@@ -132,7 +132,7 @@ TEST(Verify, RefusesATamperedScore) {
   write(folder / "out/solution.json", solution.dump());
   const Outcome verified = modsearch({"verify", folder / "out/solution.json"}, folder);
   EXPECT_EQ(verified.status, 1) << verified.err;
-  EXPECT_THAT(verified.out, HasSubstr("344.91482"));
+  EXPECT_THAT(verified.out, HasSubstr("344.91483"));
 }
 
 TEST(Verify, RefusesAFileThatContradictsItself) {
