@@ -13,10 +13,10 @@ enum class Inner {
   kOwn,     ///< augmented Lagrangian with projected Newton steps, this project's own; local
   kIpopt,   ///< interior point with the exact Hessian; local
   kSlsqp,   ///< NLopt: sequential quadratic programming; local
-  kCobyla,  ///< NLopt: linear approximations, no derivatives; local
-  kDirect,  ///< NLopt: DIRECT-L; global, deterministic
-  kCrs2,    ///< NLopt: controlled random search; global
-  kIsres,   ///< NLopt: evolution strategy with constraints; global
+  kCobyla,  ///< NLopt: linear approximations, no derivatives, then SLSQP; local
+  kDirect,  ///< NLopt: DIRECT-L, then SLSQP; global, deterministic
+  kCrs2,    ///< NLopt: controlled random search, then SLSQP; global
+  kIsres,   ///< NLopt: evolution strategy with constraints, then SLSQP; global
   kMlsl,    ///< NLopt: multi-level single-linkage, SLSQP inside; global
   kCeres,   ///< augmented Lagrangian on Ceres' trust region; local
 };
