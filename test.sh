@@ -29,7 +29,7 @@ export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 report=$build/tests.xml
 rm -f "$report"
 status=0
-ctest --test-dir "$build" -j "$(nproc)" --output-on-failure --no-tests=error --output-junit "$report" \
+ctest --test-dir "$build" -j "$cores" --output-on-failure --no-tests=error --output-junit "$report" \
   "${selection[@]}" "$@" || status=$?
 [[ -s $report ]] || die "ctest ended with status $status and no report."
 
