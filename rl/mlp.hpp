@@ -9,8 +9,7 @@ namespace modsearch {
 /// A multi-layer perceptron: linear layers with (leaky) ReLU between them, the last one linear. All weights live in one
 /// vector, so that an optimiser or a soft update is one loop over it.
 ///
-/// Products run in float kernels chosen at run time for the processor (see kernels). Equal inputs give equal bits on one
-/// instruction set.
+/// A value: a copy is an independent network (a target network, for instance).
 class Mlp {
  public:
   struct Shape {
@@ -26,9 +25,20 @@ class Mlp {
     /// Standard deviation of the last layer's weights; negative: uniform in +-1 / sqrt(fan_in); 0: zeros.
     float output_deviation = -1.0F;
   };
+  using Weights = Eigen::Map<RowMatrixXf, Eigen::Unaligned, Eigen::OuterStride<>>;
+  using ConstWeights = Eigen::Map<const RowMatrixXf, Eigen::Unaligned, Eigen::OuterStride<>>;
+  using Bias = Eigen::Map<Eigen::VectorXf>;
+  using ConstBias = Eigen::Map<const Eigen::VectorXf>;
 
-  /// Memory of one forward pass, kept by the caller so that nothing is allocated in a loop; backward needs it.
-  struct Pass;  // defined below; opaque to users
+  /// Memory of one forward pass, kept by the caller so that nothing is allocated in a loop. backward() needs the Pass of
+  /// the forward() it belongs to.
+  class Pass {
+    friend class Mlp;
+    std::vector<RowMatrixXf> activations_;  // [n_layers] inputs of each layer [B x in]
+    RowMatrixXf outputs_;                   // [B x outputs]
+    Eigen::VectorXf single_;                // of forward_one [outputs]
+    RowMatrixXf slope_, slope_below_;       // backward: of one layer's outputs, of its inputs
+  };
 
   /// Weights 0. Throws std::invalid_argument unless every width is at least 1.
   explicit Mlp(Shape shape);
@@ -40,11 +50,29 @@ class Mlp {
   /// Everything there is to learn, padding included (which is and stays 0).
   [[nodiscard]] Eigen::VectorXf& parameters() { return parameters_; }
   [[nodiscard]] const Eigen::VectorXf& parameters() const { return parameters_; }
-  // [in x out] and [out] views of layer l: the kernels' order, y = x W + b.
-  // ... (see mlp.cpp's owner)
+  /// Layer l in 0 .. n_layers() - 1 as y = x W + b: W [in x out], b [out], views of parameters().
+  [[nodiscard]] Weights weights(int l);
+  [[nodiscard]] ConstWeights weights(int l) const;
+  [[nodiscard]] Bias bias(int l);
+  [[nodiscard]] ConstBias bias(int l) const;
+
+  /// Outputs [B x outputs] for inputs [B x inputs]; they live in `pass`.
+  /// Throws std::invalid_argument for another number of inputs.
+  const RowMatrixXf& forward(const RowMatrixXf& inputs, Pass& pass) const;
+  /// Outputs [outputs] for one input [inputs], at the least cost; no backward() afterwards.
+  const Eigen::VectorXf& forward_one(const Eigen::VectorXf& input, Pass& pass) const;
+  /// Gradients of a loss L from dL/d outputs [B x outputs] at the forward() that wrote `pass`: adds dL/d parameters to
+  /// `*gradient` (the size of parameters()), writes dL/d inputs [B x inputs] to `*d_inputs`. Null: not wanted.
+  /// Throws std::invalid_argument for sizes other than those of the forward pass.
+  void backward(const RowMatrixXf& d_outputs, Pass& pass, Eigen::VectorXf* gradient, RowMatrixXf* d_inputs) const;
 
  private:
+  struct Layer {
+    Eigen::Index inputs, outputs, weights, bias;  // sizes; places in parameters_
+  };
+
   Shape shape_;
+  std::vector<Layer> layers_;
   Eigen::VectorXf parameters_;
 };
 
