@@ -40,6 +40,8 @@ std::shared_ptr<const ActionModel> Environment::restore_model(std::span<const do
   throw std::invalid_argument(fmt::format("{}: has no models of its actions", name()));
 }
 
+std::optional<double> Environment::preview(int, std::span<const float>) const { return std::nullopt; }
+
 std::vector<Transition> Environment::hindsight(int, Rng&) const { return {}; }
 
 }  // namespace modsearch

@@ -14,24 +14,24 @@ namespace modsearch {
 struct Step {
   double reward = 0.0;
   bool terminated = false;  ///< the task itself has ended: no value follows
-  bool truncated = false;   ///< cut off from outside (no module left, a time limit, a budget): value would have followed
-  bool success = false;     ///< the episode ended as it should
+  bool truncated = false;  ///< cut off from outside (no module left, a time limit, a budget): value would have followed
+  bool success = false;    ///< the episode ended as it should
 };
 
 /// What an agent learns from: (s, k, x, r, s') and whatever the training needs beside it.
 struct Transition {
-  Eigen::VectorXf s;       ///< [observation_size]
-  HybridAction action;
+  Eigen::VectorXf s{};  ///< [observation_size]
+  HybridAction action{};
   float reward = 0.0F;
-  Eigen::VectorXf s_next;  ///< [observation_size]
+  Eigen::VectorXf s_next{};  ///< [observation_size]
   ActionMask next_mask = 0;
   bool terminated = false;
   bool truncated = false;
   std::shared_ptr<const ActionModel> model;  ///< of s; null where there is none
 };
 
-/// A Markov decision process with a hybrid action space: what agents train on and act in. Episodes are a function of the
-/// random stream they are reset with and of the actions taken.
+/// A Markov decision process with a hybrid action space: what agents train on and act in. Episodes are a function of
+/// the random stream they are reset with and of the actions taken.
 class Environment {
  public:
   virtual ~Environment() = default;
@@ -45,8 +45,8 @@ class Environment {
   /// Begins an episode; all its randomness comes from `rng`.
   void reset(Rng rng);
   /// Takes an action. Only the parameters of action k count; they are clipped to [-1, 1].
-  /// Throws std::logic_error before the first reset and after the end of an episode, std::invalid_argument for an action
-  /// that is masked, has other than D parameters, or parameters of k that are NaN.
+  /// Throws std::logic_error before the first reset and after the end of an episode, std::invalid_argument for an
+  /// action that is masked, has other than D parameters, or parameters of k that are NaN.
   Step step(const HybridAction& action);
 
   /// State as the agent sees it [observation_size], finite, about in [-1, 1].
@@ -59,6 +59,9 @@ class Environment {
   [[nodiscard]] virtual std::shared_ptr<const ActionModel> model() const { return nullptr; }
   /// The model whose key() was `key`. Throws std::invalid_argument for anything else.
   [[nodiscard]] virtual std::shared_ptr<const ActionModel> restore_model(std::span<const double> key) const;
+  /// What step() would pay for action k with x_k, without taking it, or nothing where that cannot be said (or is over
+  /// budget): by it one of several proposals is chosen.
+  [[nodiscard]] virtual std::optional<double> preview(int k, std::span<const float> x_k) const;
   /// Up to `n` transitions like the last step, in tasks whose goal is what that step reached (hindsight experience
   /// replay, Andrychowicz et al. 2017); none by default.
   [[nodiscard]] virtual std::vector<Transition> hindsight(int n, Rng& rng) const;

@@ -23,8 +23,8 @@ class HybridSpace {
   /// Throws std::invalid_argument unless 1 <= K <= 64 and every n_k >= 0.
   explicit HybridSpace(std::vector<int> parameters_per_action);
 
-  [[nodiscard]] int n_actions() const { return static_cast<int>(counts_.size()); }  ///< K
-  [[nodiscard]] int n_parameters() const { return offsets_.back(); }               ///< D
+  [[nodiscard]] int n_actions() const { return static_cast<int>(counts_.size()); }         ///< K
+  [[nodiscard]] int n_parameters() const { return offsets_.back(); }                       ///< D
   [[nodiscard]] int count(int k) const { return counts_[static_cast<std::size_t>(k)]; }    ///< n_k
   [[nodiscard]] int offset(int k) const { return offsets_[static_cast<std::size_t>(k)]; }  ///< where x_k begins in x
   /// All actions.
@@ -41,7 +41,8 @@ class HybridSpace {
 /// networks of P-DQN see them all.
 struct HybridAction {
   int k = 0;
-  Eigen::VectorXf x;  ///< [D], each in [-1, 1]
+  Eigen::VectorXf x;            ///< [D], each in [-1, 1]
+  Eigen::VectorXf preferences;  ///< [K], by which PA-DDPG chose k; empty for other agents
 };
 
 }  // namespace modsearch

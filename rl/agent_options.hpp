@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <modsearch/rl/adam.hpp>
+#include <vector>
+
+namespace modsearch {
+
+/// How the values of the actions are weighted in the actor's objective J = mean_B sum_k w_k Q_k(s, mu(s)).
+enum class ActorWeighting {
+  kSum,       ///< w_k = 1: Xiong et al. 2018, eq. 6
+  kWeighted,  ///< w_k: share of action k among the batch's actions
+  kAverage,   ///< w_k = 1 / K
+  kRandom,    ///< uniform in [0, 1]^K, scaled to length 1, drawn anew in every update
+};
+
+/// The exact derivatives of reach error and mass, added to the actor's gradient where the environment has a model:
+/// g_k += -reach e / sqrt(e^2 + width^2) de/dx_k - mass dm/dx_k. The root turns the pull off at the goal instead of
+/// letting it jump.
+struct ModelGradientOptions {
+  double reach = 0.0;   ///< weight of the error e; 0: no model gradient
+  double mass = 0.0;    ///< weight of the mass
+  double width = 2e-3;  ///< [m]; twice the tolerance of the reference task
+  double critic = 1.0;  ///< weight of dQ/dx beside it; 0: the critic only chooses the type
+};
+
+/// What makes a critic "TD3" (Fujimoto et al. 2018).
+struct Td3Options {
+  bool twin = false;            ///< two value networks, the smaller of both in the target (section 4.2)
+  int delay = 1;                ///< the actor and the targets learn in every delay-th update (section 5.2); 2 there
+  double smoothing = 0.0;       ///< deviation of the noise on mu'(s') (section 5.3); 0.2 there
+  double smoothing_clip = 0.5;  ///< largest absolute noise; as there
+};
+
+/// Settings of the agents; defaults are those of the report's published text (128 hidden units, batch and replay belong
+/// to the training) and, where it is silent, of Bester et al. 2019.
+struct AgentOptions {
+  double gamma = 0.99;                     ///< discount; the report's code
+  std::vector<int> value_hidden{128};      ///< the report, section "agents"
+  std::vector<int> actor_hidden{128, 64};  ///< the report
+  double leak = 0.0;                       ///< slope of the leaky ReLU; 0: ReLU. PA-DDPG's authors use 0.01
+  double value_rate = 1e-3;                ///< learning rate of the value network (Bester et al. 2019)
+  double actor_rate = 1e-4;                ///< of the actor
+  double value_tau = 0.01;                 ///< soft update of the value target; the report's code
+  double actor_tau = 0.001;                ///< of the actor's target
+  double clip = 10.0;                      ///< largest gradient norm (Bester et al. 2019)
+  double value_output_deviation = -1.0;    ///< see Mlp::Init; PyTorch's default as in the reference
+  double actor_output_deviation = 1e-4;    ///< near zero, so that the first parameters are the passthrough's
+
+  ActorWeighting weighting = ActorWeighting::kSum;
+  bool indexed = false;               ///< only the replayed action's term of J
+  bool zero_index_gradients = false;  ///< dJ/dx is kept only in the replayed action's slice
+  bool invert_gradients = true;       ///< Hausknecht and Stone 2016, eq. 11
+  double invert_bound = 1.0;          ///< bounds of the inversion; 1.1 lets a parameter rest exactly on its bound
+
+  /// Frozen linear passthrough added to mu: weights N(mean, deviation^2), bias N(0, deviation^2) or as given.
+  double passthrough_bias_deviation = 0.0;    ///< the report's code: 2 (of which 62 % lie outside the bounds)
+  double passthrough_weight_mean = 0.0;       ///< the report's text: 1
+  double passthrough_weight_deviation = 0.0;  ///< the report's text: 1
+  std::vector<double> passthrough_bias;       ///< [D] in scaled units, instead of a drawn one
+
+  double mixed_target = 0.0;  ///< beta in y = beta G + (1 - beta) y_1: share of the whole return (HFO: 0.2)
+  Td3Options td3;
+  ModelGradientOptions model;
+  int bins = 11;  ///< DQN only: values per parameter; 11 are 0.1 m apart in the reference library
+
+  [[nodiscard]] Adam::Options adam() const { return {.clip = static_cast<float>(clip)}; }
+};
+
+}  // namespace modsearch

@@ -1,0 +1,64 @@
+#include <fmt/format.h>
+
+#include <modsearch/rl/parameter_actor.hpp>
+#include <stdexcept>
+
+namespace modsearch {
+
+ParameterActor::ParameterActor(const HybridSpace& space, int observation_size, int n_heads, const AgentOptions& options,
+                               Rng rng)
+    : network_{{.inputs = observation_size,
+                .hidden = options.actor_hidden,
+                .outputs = n_heads + space.n_parameters(),
+                .leak = static_cast<float>(options.leak)}},
+      n_heads_{n_heads} {
+  Rng weights = rng.fork("actor");
+  network_.initialise({.output_deviation = static_cast<float>(options.actor_output_deviation)}, weights);
+
+  const Eigen::Index n = space.n_parameters();
+  const Eigen::Index n_weights = n * observation_size;
+  Rng draw = rng.fork("passthrough");
+  passthrough_.setZero(n_weights + n);
+  for (float& w : passthrough_.head(n_weights)) {
+    w = static_cast<float>(options.passthrough_weight_mean + options.passthrough_weight_deviation * draw.normal());
+  }
+  auto bias = passthrough_.tail(n);
+  if (!options.passthrough_bias.empty()) {
+    if (static_cast<Eigen::Index>(options.passthrough_bias.size()) != n) {
+      throw std::invalid_argument(fmt::format("passthrough bias: {} numbers, {} are needed, one per parameter",
+                                              options.passthrough_bias.size(), n));
+    }
+    for (Eigen::Index i = 0; i < n; ++i) {
+      bias[i] = static_cast<float>(options.passthrough_bias[static_cast<std::size_t>(i)]);
+    }
+  } else {
+    for (float& b : bias) b = static_cast<float>(options.passthrough_bias_deviation * draw.normal());
+  }
+  has_passthrough_ = !passthrough_.isZero(0.0F);
+}
+
+const RowMatrixXf& ParameterActor::forward(const RowMatrixXf& s) {
+  outputs_ = network_.forward(s, pass_);
+  if (!has_passthrough_) return outputs_;
+  const Eigen::Index n = outputs_.cols() - n_heads_;
+  const Eigen::Map<const Eigen::MatrixXf> w{passthrough_.data(), n, s.cols()};
+  outputs_.rightCols(n).noalias() += s * w.transpose();
+  outputs_.rightCols(n).rowwise() += passthrough_.tail(n).transpose();
+  return outputs_;
+}
+
+Eigen::VectorXf ParameterActor::forward_one(const Eigen::VectorXf& s) {
+  Eigen::VectorXf outputs = network_.forward_one(s, pass_);
+  if (!has_passthrough_) return outputs;
+  const Eigen::Index n = outputs.size() - n_heads_;
+  const Eigen::Map<const Eigen::MatrixXf> w{passthrough_.data(), n, s.size()};
+  outputs.tail(n).noalias() += w * s;
+  outputs.tail(n) += passthrough_.tail(n);
+  return outputs;
+}
+
+void ParameterActor::backward(const RowMatrixXf& d_outputs, Eigen::VectorXf& gradient) {
+  network_.backward(d_outputs, pass_, &gradient, nullptr);
+}
+
+}  // namespace modsearch

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <modsearch/rl/agent.hpp>
+#include <modsearch/rl/agent_options.hpp>
+#include <modsearch/rl/mlp.hpp>
+
+namespace modsearch {
+
+/// The parameter actor mu(s) of the P-DQN family: a perceptron plus a linear passthrough W s + b that is drawn once and
+/// never learns (Bester et al. 2019). Linear outputs: inverted gradients keep them within bounds, not a squash.
+class ParameterActor {
+ public:
+  /// `n_heads`: outputs in front of the D parameters that the passthrough leaves alone (PA-DDPG's K preferences).
+  ParameterActor(const HybridSpace& space, int observation_size, int n_heads, const AgentOptions& options, Rng rng);
+
+  /// mu(s) [B x (n_heads + D)].
+  const RowMatrixXf& forward(const RowMatrixXf& s);
+  /// The same for one state [n_heads + D]: acting.
+  [[nodiscard]] Eigen::VectorXf forward_one(const Eigen::VectorXf& s);
+  /// Adds dL/dw to `gradient` for dL/dmu at the last forward.
+  void backward(const RowMatrixXf& d_outputs, Eigen::VectorXf& gradient);
+
+  /// Weights that learn.
+  [[nodiscard]] Eigen::VectorXf& parameters() { return network_.parameters(); }
+  /// Weights that do not: W by rows, then b.
+  [[nodiscard]] Eigen::VectorXf& passthrough() { return passthrough_; }
+
+ private:
+  Mlp network_;
+  Mlp::Pass pass_;
+  Eigen::VectorXf passthrough_;  // [D * observation_size + D], W by columns, then b
+  RowMatrixXf outputs_;
+  int n_heads_;
+  bool has_passthrough_ = false;  // W or b is not 0
+};
+
+}  // namespace modsearch

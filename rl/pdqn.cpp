@@ -1,0 +1,159 @@
+#include <fmt/format.h>
+
+#include <modsearch/rl/actor_gradient.hpp>
+#include <modsearch/rl/pdqn.hpp>
+
+namespace modsearch {
+
+Pdqn::Pdqn(ValueKind kind, HybridSpace space, int observation_size, AgentOptions options, Rng rng)
+    : kind_{kind},
+      space_{std::move(space)},
+      observation_size_{observation_size},
+      options_{std::move(options)},
+      mu_{space_, observation_size, 0, options_, rng},
+      mu_target_{mu_},
+      mu_adam_{mu_.parameters().size(), options_.adam()},
+      mu_gradient_{Eigen::VectorXf::Zero(mu_.parameters().size())} {
+  const ActionValues::Options values{.observation_size = observation_size,
+                                     .hidden = options_.value_hidden,
+                                     .leak = static_cast<float>(options_.leak),
+                                     .output_deviation = static_cast<float>(options_.value_output_deviation)};
+  for (std::uint64_t i = 0; i < (options_.td3.twin ? 2U : 1U); ++i) {
+    std::unique_ptr<ActionValues> q = make_action_values(kind_, space_, values, rng.fork("values").fork(i));
+    std::unique_ptr<ActionValues> q_target = q->clone();
+    const Eigen::Index n = q->parameters().size();
+    critics_.push_back({std::move(q), std::move(q_target), Adam{n, options_.adam()}, Eigen::VectorXf::Zero(n)});
+  }
+}
+
+std::string Pdqn::name() const {
+  switch (kind_) {
+    case ValueKind::kJoint:
+      return "pdqn";
+    case ValueKind::kMultiPass:
+      return "mpdqn";
+    case ValueKind::kSeparate:
+      return "spdqn";
+  }
+  return "";
+}
+
+// k = argmax_k Q(s, mu(s))_k
+HybridAction Pdqn::do_greedy(const Eigen::VectorXf& s, ActionMask mask) {
+  HybridAction action;
+  action.x = mu_.forward_one(s).cwiseMax(-1.0F).cwiseMin(1.0F);
+  action.k = best_action(critics_.front().q->forward_one(s, action.x), mask);
+  return action;
+}
+
+// Algorithm 1 of Xiong et al. 2018: the values learn, then the actor climbs them, then the targets follow.
+UpdateFacts Pdqn::update(const Batch& batch, Rng& rng) {
+  UpdateFacts facts;
+  learn_values(batch, targets(batch, rng), facts);
+  if (++updates_ % options_.td3.delay != 0) return facts;
+  learn_actor(batch, rng, facts);
+  for (Critic& critic : critics_) {
+    soft_update(critic.q_target->parameters(), critic.q->parameters(), static_cast<float>(options_.value_tau));
+  }
+  soft_update(mu_target_.parameters(), mu_.parameters(), static_cast<float>(options_.actor_tau));
+  return facts;
+}
+
+// y = r + gamma (1 - d) max_k Q'(s', mu'(s'))_k; gamma (1 - d) is the batch's discount.
+Eigen::VectorXf Pdqn::targets(const Batch& batch, Rng& rng) {
+  RowMatrixXf x_next = mu_target_.forward(batch.s_next);
+  add_smoothing_noise(options_.td3, rng, x_next);
+  RowMatrixXf q = critics_.front().q_target->forward(batch.s_next, x_next);
+  for (std::size_t i = 1; i < critics_.size(); ++i) {
+    q = q.cwiseMin(critics_[i].q_target->forward(batch.s_next, x_next));
+  }
+  Eigen::VectorXf y = batch.reward;
+  for (Eigen::Index row = 0; row < y.size(); ++row) {
+    const int k = best_action(q.row(row).transpose(), batch.next_mask[static_cast<std::size_t>(row)]);
+    if (k >= 0) y[row] += batch.discount[row] * q(row, k);
+  }
+  const auto beta = static_cast<float>(options_.mixed_target);
+  return beta * batch.remaining + (1.0F - beta) * y;
+}
+
+// L = mean_B (Q(s, x)_k - y)^2
+void Pdqn::learn_values(const Batch& batch, const Eigen::VectorXf& y, UpdateFacts& facts) {
+  for (Critic& critic : critics_) {
+    const Eigen::VectorXf difference = critic.q->forward_taken(batch.s, batch.x, batch.k) - y;
+    facts.value_loss = difference.squaredNorm() / static_cast<float>(batch.size());
+    critic.gradient.setZero();
+    critic.q->weights_gradient(2.0F / static_cast<float>(batch.size()) * difference, critic.gradient);
+    facts.value_gradient = critic.adam.step(critic.q->parameters(), critic.gradient,
+                                            static_cast<float>(options_.value_rate * rate_factor_));
+  }
+}
+
+// J = mean_B sum_k w_k Q(s, mu(s))_k; the actor follows dJ/dx, inverted at the bounds, through mu.
+void Pdqn::learn_actor(const Batch& batch, Rng& rng, UpdateFacts& facts) {
+  const RowMatrixXf& x = mu_.forward(batch.s);
+  RowMatrixXf g = RowMatrixXf::Zero(x.rows(), x.cols());
+  if (options_.model.critic != 0.0) {
+    ActionValues& q = *critics_.front().q;
+    static_cast<void>(q.forward(batch.s, x));
+    g = static_cast<float>(options_.model.critic) * q.parameters_gradient(weights(batch, rng));
+    if (options_.zero_index_gradients) keep_taken_slices(batch, space_, g);
+  }
+  if (options_.model.reach != 0.0 || options_.model.mass != 0.0) {
+    facts.work += add_model_gradient(batch, space_, options_.model, x, g);
+  }
+  if (options_.invert_gradients) invert_gradients(g, x, static_cast<float>(options_.invert_bound));
+  mu_gradient_.setZero();
+  mu_.backward(-g, mu_gradient_);
+  facts.actor_gradient =
+      mu_adam_.step(mu_.parameters(), mu_gradient_, static_cast<float>(options_.actor_rate * rate_factor_));
+}
+
+// dJ/dQ [B x K]: the weights w_k, divided by B.
+RowMatrixXf Pdqn::weights(const Batch& batch, Rng& rng) const {
+  const int n = space_.n_actions();
+  Eigen::VectorXf w = Eigen::VectorXf::Ones(n);
+  switch (options_.weighting) {
+    case ActorWeighting::kSum:
+      break;
+    case ActorWeighting::kWeighted:
+      w.setZero();
+      for (const int k : batch.k) w[k] += 1.0F / static_cast<float>(batch.size());
+      break;
+    case ActorWeighting::kAverage:
+      w.setConstant(1.0F / static_cast<float>(n));
+      break;
+    case ActorWeighting::kRandom:
+      for (float& value : w) value = static_cast<float>(rng.uniform());
+      w.normalize();
+      break;
+  }
+  w /= static_cast<float>(batch.size());
+  if (!options_.indexed) return w.transpose().replicate(batch.size(), 1);
+  RowMatrixXf taken = RowMatrixXf::Zero(batch.size(), n);
+  for (int row = 0; row < batch.size(); ++row) taken(row, batch.k[row]) = w[batch.k[row]];
+  return taken;
+}
+
+std::vector<StatePart> Pdqn::state() {
+  std::vector<StatePart> parts{state_part("mu", mu_.parameters(), true),
+                               state_part("mu.passthrough", mu_.passthrough(), true),
+                               state_part("mu.target", mu_target_.parameters()),
+                               state_part("mu.target.passthrough", mu_target_.passthrough()),
+                               state_part("mu.adam.m", mu_adam_.m),
+                               state_part("mu.adam.v", mu_adam_.v),
+                               state_part("mu.adam.steps", mu_adam_.steps),
+                               state_part("rate_factor", rate_factor_),
+                               state_part("updates", updates_)};
+  for (std::size_t i = 0; i < critics_.size(); ++i) {
+    Critic& critic = critics_[i];
+    const std::string q = fmt::format("q{}", i);
+    parts.push_back(state_part(q, critic.q->parameters(), i == 0));
+    parts.push_back(state_part(q + ".target", critic.q_target->parameters()));
+    parts.push_back(state_part(q + ".adam.m", critic.adam.m));
+    parts.push_back(state_part(q + ".adam.v", critic.adam.v));
+    parts.push_back(state_part(q + ".adam.steps", critic.adam.steps));
+  }
+  return parts;
+}
+
+}  // namespace modsearch
