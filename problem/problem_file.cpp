@@ -60,6 +60,7 @@ ProblemFile read_problem(const JsonCursor& cursor, const std::string& name) {
   if (const std::optional<JsonCursor> sampling = cursor.find("sampling")) {
     result.sampling = read_sampling(*sampling, result.goals);
   }
+  result.spec.chains = RobotProblem{result.spec}.spec().chains;  // shared by all instances
   return result;
 }
 

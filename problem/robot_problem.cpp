@@ -18,13 +18,43 @@ constexpr double kProvedImpossible = -kInfinity;
 
 }  // namespace
 
-// Chains by type sequence. Readers share the lock: all but the first evaluation of a sequence only look.
-struct RobotProblem::ChainCache {
-  std::shared_mutex mutex;
-  std::map<std::vector<int>, std::unique_ptr<const Chain>> chains;
+// What follows from library and base pose alone: chains by type sequence, and how far each module can carry the arm.
+class ChainCache {
+ public:
+  ChainCache(std::shared_ptr<const ModuleLibrary> library, const Eigen::Isometry3d& X_WB)
+      : library_{std::move(library)}, X_WB_{X_WB}, base_span_{module_span(library_->base())} {
+    for (int k = 0; k < library_->n_types(); ++k) type_spans_.push_back(module_span(library_->type(k)));
+  }
+
+  [[nodiscard]] bool belongs_to(const RobotProblemSpec& spec) const {
+    return library_ == spec.library && X_WB_.matrix() == spec.X_WB.matrix();
+  }
+  [[nodiscard]] const ModuleSpan& base_span() const { return base_span_; }
+  [[nodiscard]] const std::vector<ModuleSpan>& type_spans() const { return type_spans_; }
+
+  // Readers share the lock: all but the first evaluation of a sequence only look.
+  [[nodiscard]] const Chain& chain(std::span<const int> types) {
+    thread_local std::vector<int> key;  // keeps its memory between calls
+    key.assign(types.begin(), types.end());
+    {
+      const std::shared_lock lock{mutex_};
+      if (const auto found = chains_.find(key); found != chains_.end()) return *found->second;
+    }
+    auto built = std::make_unique<const Chain>(library_->assemble(types, X_WB_));
+    const std::unique_lock lock{mutex_};
+    return *chains_.try_emplace(key, std::move(built)).first->second;
+  }
+
+ private:
+  std::shared_ptr<const ModuleLibrary> library_;
+  Eigen::Isometry3d X_WB_;
+  ModuleSpan base_span_;
+  std::vector<ModuleSpan> type_spans_;
+  std::shared_mutex mutex_;
+  std::map<std::vector<int>, std::unique_ptr<const Chain>> chains_;
 };
 
-RobotProblem::RobotProblem(RobotProblemSpec spec) : spec_{std::move(spec)}, chains_{std::make_shared<ChainCache>()} {
+RobotProblem::RobotProblem(RobotProblemSpec spec) : spec_{std::move(spec)} {
   const auto refuse = [&](const std::string& what) {
     throw std::invalid_argument(fmt::format("problem '{}': {}", spec_.name, what));
   };
@@ -36,8 +66,9 @@ RobotProblem::RobotProblem(RobotProblemSpec spec) : spec_{std::move(spec)}, chai
   if (spec_.max_modules < 1 || spec_.max_modules > 64) {
     refuse(fmt::format("at most {} modules, not in [1, 64]", spec_.max_modules));
   }
-  base_span_ = module_span(library().base());
-  for (int k = 0; k < library().n_types(); ++k) type_spans_.push_back(module_span(library().type(k)));
+  if (!spec_.chains || !spec_.chains->belongs_to(spec_)) {
+    spec_.chains = std::make_shared<ChainCache>(spec_.library, spec_.X_WB);
+  }
 }
 
 RobotProblem RobotProblem::with_level(Level level) const {
@@ -61,17 +92,7 @@ Eigen::VectorXd RobotProblem::context() const {
   return Eigen::Map<Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
 }
 
-const Chain& RobotProblem::chain(std::span<const int> types) const {
-  thread_local std::vector<int> key;  // keeps its memory between calls
-  key.assign(types.begin(), types.end());
-  {
-    const std::shared_lock lock{chains_->mutex};
-    if (const auto found = chains_->chains.find(key); found != chains_->chains.end()) return *found->second;
-  }
-  auto built = std::make_unique<const Chain>(library().assemble(types, spec_.X_WB));
-  const std::unique_lock lock{chains_->mutex};
-  return *chains_->chains.try_emplace(key, std::move(built)).first->second;
-}
+const Chain& RobotProblem::chain(std::span<const int> types) const { return spec_.chains->chain(types); }
 
 std::vector<int> RobotProblem::do_successors(std::span<const int> types) const { return library().successors(types); }
 
@@ -119,19 +140,21 @@ double RobotProblem::farthest_goal() const {
 
 Optimism RobotProblem::optimism(std::span<const int> types) const {
   if (!library().complete(types)) return {kProvedImpossible, "the design does not end in an end effector"};
-  std::vector<const ModuleSpan*> modules{&base_span_};
-  double cost = base_span_.cost;
+  std::vector<const ModuleSpan*> modules{&spec_.chains->base_span()};
+  double cost = modules.back()->cost;
   for (const int k : types) {
-    modules.push_back(&type_spans_[static_cast<std::size_t>(k)]);
+    modules.push_back(&spec_.chains->type_spans()[static_cast<std::size_t>(k)]);
     cost += modules.back()->cost;
   }
   return judged(reach_bound(modules, farthest_goal()), static_cast<int>(types.size()), cost);
 }
 
 Optimism RobotProblem::optimism_of_length(int n) const {
-  double least_cost = type_spans_.empty() ? 0.0 : kInfinity;
-  for (const ModuleSpan& type : type_spans_) least_cost = std::min(least_cost, type.cost);
-  return judged(reach_bound(base_span_, type_spans_, n, farthest_goal()), n, base_span_.cost + n * least_cost);
+  const ModuleSpan& base = spec_.chains->base_span();
+  const std::vector<ModuleSpan>& types = spec_.chains->type_spans();
+  double least_cost = types.empty() ? 0.0 : kInfinity;
+  for (const ModuleSpan& type : types) least_cost = std::min(least_cost, type.cost);
+  return judged(reach_bound(base, types, n, farthest_goal()), n, base.cost + n * least_cost);
 }
 
 Optimism RobotProblem::judged(const ReachBound& bound, int n, double least_cost) const {

@@ -10,6 +10,8 @@
 
 namespace modsearch {
 
+class ChainCache;
+
 /// Everything a robot problem is made of.
 struct RobotProblemSpec {
   std::string name;  ///< ID or file, for messages and records
@@ -23,6 +25,9 @@ struct RobotProblemSpec {
   double time_step = 0.01;  ///< between the rows of a trajectory in a solution file [s]; CoBRA's timeStepSize
   IkOptions ik;
   PlanOptions planner;
+  /// Chains of type sequences met before, shared by the instances of a family (RobotProblem::spec() has them); null, or
+  /// those of another library or base pose: the problem keeps its own.
+  std::shared_ptr<ChainCache> chains;
 };
 
 /// Library + scene + task + scoring: the design problem everybody uses. Keeps the chain of each type sequence it has met.
@@ -47,7 +52,7 @@ class RobotProblem final : public DesignProblem {
   /// The same problem with another collision level.
   [[nodiscard]] RobotProblem with_level(Level level) const;
 
-  /// The chain of base + `types`; lives as long as the problem.
+  /// The chain of base + `types`; lives as long as the problem, or any other that shares its chains.
   [[nodiscard]] const Chain& chain(std::span<const int> types) const;
 
  private:
@@ -57,11 +62,7 @@ class RobotProblem final : public DesignProblem {
   [[nodiscard]] double farthest_goal() const;
   [[nodiscard]] Optimism judged(const ReachBound& bound, int n, double least_cost) const;
 
-  struct ChainCache;  // behind a pointer: a problem can be moved
-  RobotProblemSpec spec_;
-  std::shared_ptr<ChainCache> chains_;
-  ModuleSpan base_span_;
-  std::vector<ModuleSpan> type_spans_;
+  RobotProblemSpec spec_;  // its `chains` are never null
 };
 
 }  // namespace modsearch

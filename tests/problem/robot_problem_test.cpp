@@ -216,6 +216,24 @@ TEST(Evaluate, RefusesDesignsOutsideTheSearchSpace) {
   EXPECT_NE(message({std::vector<Placement>(10, placed(*problem, "link", {0.5}))}).find("11"), std::string::npos);
 }
 
+TEST(RobotProblem, SharesItsChainsWithTheOtherInstancesOfItsFile) {
+  const ProblemFile file = load_problem_file("seed/random_wide");
+  const std::vector<int> types{0, 1, 2};
+  EXPECT_EQ(&file.instance({1, 1})->chain(types), &file.instance({1, 2})->chain(types));
+}
+
+TEST(RobotProblem, KeepsChainsOfItsOwnWhereTheBaseStandsElsewhere) {
+  const ProblemFile file = load_problem_file("seed/fixed");
+  RobotProblemSpec spec = file.spec;
+  spec.X_WB.translation().z() = 0.25;
+  const RobotProblem raised{spec};
+  const int link = type(raised, "link");
+  const Eigen::VectorXd length = Eigen::VectorXd::Constant(1, 0.5);
+  const Eigen::VectorXd q = Eigen::VectorXd::Zero(1);
+  EXPECT_EQ(raised.chain(std::vector{link}).at(length).forward(q).tip.translation().z(), 0.75);
+  EXPECT_EQ(file.instance()->chain(std::vector{link}).at(length).forward(q).tip.translation().z(), 0.5);
+}
+
 TEST(Successors, AreEmptyWhenNoModuleIsLeft) {
   const auto problem = load_problem("seed/fixed");
   EXPECT_EQ(problem->successors({}).size(), 3u);
