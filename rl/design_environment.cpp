@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <modsearch/problem/robot_problem.hpp>
+#include <modsearch/rl/design_environment.hpp>
+#include <stdexcept>
+
+namespace modsearch {
+namespace {
+
+HybridSpace space_of(const ModuleLibrary& library) {
+  std::vector<int> counts;
+  for (int k = 0; k < library.n_types(); ++k) counts.push_back(library.type(k).n_parameters());
+  return HybridSpace{std::move(counts)};
+}
+
+ProblemSource checked(ProblemSource source) {
+  if (!source) throw std::invalid_argument("DesignEnvironment: no source of problems");
+  return source;
+}
+
+DesignEnvironmentOptions with_region(DesignEnvironmentOptions options, const ProblemFile& file) {
+  if (!options.hindsight_region) options.hindsight_region = file.sampling;
+  return options;
+}
+
+}  // namespace
+
+DesignEnvironment::DesignEnvironment(ProblemSource source, DesignEnvironmentOptions options)
+    : source_{checked(std::move(source))},
+      options_{std::move(options)},
+      problem_{drawn(seed_)},
+      space_{space_of(problem_->library())},
+      encoder_{options_.encoder, *problem_},
+      instance_{encoder_.instance(*problem_)} {
+  if (mask_after(*problem_, design_) == 0) {
+    throw std::invalid_argument(fmt::format("problem '{}': no module may be placed (at most {} with the base)",
+                                            problem_->name(), problem_->max_modules()));
+  }
+}
+
+DesignEnvironment::DesignEnvironment(const ProblemFile& file, DesignEnvironmentOptions options)
+    : DesignEnvironment{problem_source(file), with_region(std::move(options), file)} {}
+
+void DesignEnvironment::set_source(ProblemSource source) { source_ = checked(std::move(source)); }
+
+void DesignEnvironment::set_evaluate(Evaluate evaluate) { evaluate_ = std::move(evaluate); }
+
+std::unique_ptr<Environment> DesignEnvironment::clone() const {
+  auto copy = std::make_unique<DesignEnvironment>(source_, options_);
+  copy->set_evaluate(evaluate_);
+  return copy;
+}
+
+std::shared_ptr<const DesignProblem> DesignEnvironment::drawn(std::uint64_t seed) const {
+  std::shared_ptr<const DesignProblem> problem = source_(Rng{seed});
+  if (!problem) throw std::invalid_argument("DesignEnvironment: the source gave no problem");
+  if (!options_.level) return problem;
+  const auto* robot = dynamic_cast<const RobotProblem*>(problem.get());
+  if (robot == nullptr) {
+    throw std::invalid_argument(fmt::format("problem '{}': has no collision level to replace by '{}'", problem->name(),
+                                            modsearch::name(*options_.level)));
+  }
+  if (robot->spec().level == *options_.level) return problem;
+  return std::make_shared<const RobotProblem>(robot->with_level(*options_.level));
+}
+
+Placement DesignEnvironment::placement(int k, std::span<const float> x_k) const {
+  const std::vector<ParameterRange>& ranges = problem_->library().type(k).parameters;
+  Placement result{k, Parameters(static_cast<Eigen::Index>(ranges.size()))};
+  for (std::size_t p = 0; p < ranges.size(); ++p) {
+    result.parameters[static_cast<Eigen::Index>(p)] = from_unit(ranges[p], std::clamp(x_k[p], -1.0F, 1.0F));
+  }
+  return result;
+}
+
+std::optional<Evaluation> DesignEnvironment::evaluated(const DesignProblem& problem, const Design& design) const {
+  std::optional<Evaluation> result =
+      evaluate_ ? evaluate_(problem, design, options_.fidelity) : problem.evaluate(design, options_.fidelity);
+  if (result) work_ += result->attempt.work;
+  return result;
+}
+
+ActionMask DesignEnvironment::mask_after(const DesignProblem& problem, const Design& design) const {
+  ActionMask mask = 0;
+  for (const int k : problem.successors(design.types())) mask |= ActionMask{1} << k;
+  return mask;
+}
+
+bool DesignEnvironment::ends(const Evaluation& evaluation) const {
+  const Attempt& attempt = evaluation.attempt;
+  if (options_.end_on == EndOn::kAchieved) return attempt.achieved;
+  return attempt.reached && attempt.why != Failure::kIncomplete;
+}
+
+Environment::View DesignEnvironment::do_reset(Rng rng) {
+  // All that may throw comes first: a failed reset leaves no half of a new episode behind.
+  const std::uint64_t seed = rng.bits();
+  std::shared_ptr<const DesignProblem> problem = drawn(seed);
+  Eigen::VectorXf instance = encoder_.instance(*problem);
+  View first{encoder_.encode(problem->library(), {}, instance), mask_after(*problem, {})};
+  if (first.mask == 0)
+    throw std::invalid_argument(fmt::format("problem '{}': no module may be placed", problem->name()));
+
+  seed_ = seed;
+  problem_ = std::move(problem);
+  instance_ = std::move(instance);
+  design_.modules.clear();
+  evaluation_.reset();
+  score_.reset();
+  return first;
+}
+
+std::optional<double> DesignEnvironment::paid_before() const {
+  if (options_.reward == RewardKind::kScore) return 0.0;
+  if (!score_) {
+    if (const std::optional<Evaluation> now = evaluated(*problem_, design_)) score_ = now->score;
+  }
+  return score_;
+}
+
+Step DesignEnvironment::do_step(int k, std::span<const float> x_k, View& next) {
+  const std::optional<double> before = paid_before();
+  std::optional<Evaluation> evaluation;
+  design_.modules.push_back(placement(k, x_k));
+  try {
+    if (before) evaluation = evaluated(*problem_, design_);
+    next = {encoder_.encode(problem_->library(), design_, instance_), mask_after(*problem_, design_)};
+  } catch (...) {
+    design_.modules.pop_back();  // nothing has happened
+    throw;
+  }
+  evaluation_ = std::move(evaluation);
+
+  Step step;
+  if (!evaluation_ || !std::isfinite(evaluation_->score)) {
+    step.truncated = true;
+    return step;
+  }
+  score_ = evaluation_->score;
+  step.reward = *score_ - *before;
+  step.terminated = step.success = ends(*evaluation_);
+  step.truncated = !step.terminated && next.mask == 0;
+  return step;
+}
+
+std::optional<double> DesignEnvironment::preview(int k, std::span<const float> x_k) const {
+  const std::optional<double> before = paid_before();
+  if (!before) return std::nullopt;
+  Design design = design_;
+  design.modules.push_back(placement(k, x_k));
+  const std::optional<Evaluation> evaluation = evaluated(*problem_, design);
+  return evaluation ? std::optional{evaluation->score - *before} : std::nullopt;
+}
+
+}  // namespace modsearch
