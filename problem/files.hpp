@@ -97,6 +97,7 @@ void write_solution(const std::filesystem::path& file, const RobotProblem& probl
 struct LoadedSolution {
   SolutionRecord record;
   std::shared_ptr<const RobotProblem> problem;
+  bool claims = true;  ///< the file says how good its design is; one of CoBRA's own gives a design and a motion only
 };
 /// `problem`: overrides the problem named in the file. Throws FileError.
 [[nodiscard]] LoadedSolution load_solution(const std::filesystem::path& file,

@@ -166,6 +166,11 @@ std::int64_t JsonCursor::integer(std::int64_t lower, std::int64_t upper) const {
 
 std::uint64_t JsonCursor::unsigned_integer() const {
   if (value_->is_number_unsigned()) return value_->get<std::uint64_t>();
+  constexpr double kTooLarge = 18446744073709551616.0;  // 2^64
+  const double number = value_->is_number() ? value_->get<double>() : -1.0;
+  if (!(number >= 0.0 && number < kTooLarge)) {
+    fail_value(fmt::format("an integer in [0, {}]", std::numeric_limits<std::uint64_t>::max()));
+  }
   return static_cast<std::uint64_t>(integer(0, std::numeric_limits<std::int64_t>::max()));
 }
 

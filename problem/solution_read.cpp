@@ -61,6 +61,21 @@ void check_module_order(const JsonCursor& order, const ModuleLibrary& library, c
   }
 }
 
+/// [module, connector, module, connector] by numbers and IDs: each module hangs on the one before it.
+void check_connections(const JsonCursor& list, const ModuleLibrary& library, const Design& design) {
+  const auto expected = library.connections(design.types());
+  const std::vector<JsonCursor> entries = list.items();
+  if (entries.size() != expected.size()) {
+    list.fail(fmt::format("has {} connections where the design has {}", entries.size(), expected.size()));
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Json connection = {i, expected[i].first, i + 1, expected[i].second};
+    if (entries[i].value() != connection) {
+      entries[i].fail_value(fmt::format("{}, the connection of the design", preview(connection)));
+    }
+  }
+}
+
 /// The design of a file of CoBRA's, which names modules without parameters.
 Design design_from_order(const JsonCursor& order, const ModuleLibrary& library) {
   const std::vector<JsonCursor> entries = order.items();
@@ -110,6 +125,9 @@ Terms read_terms(const JsonCursor& cursor, const JsonCursor& score) {
   }
   const double claimed = number_or_null(score, -kInf);
   const double sum = terms.sum();
+  if (score.value().is_null() && !terms.items().empty() && std::isfinite(sum)) {
+    score.fail_value(fmt::format("the sum of the terms, {}", sum));
+  }
   if (std::isfinite(claimed) && !(std::abs(sum - claimed) <= kSameNumber * std::max(1.0, std::abs(claimed)))) {
     score.fail_value(fmt::format("the sum of the terms, {}", sum));
   }
@@ -236,7 +254,9 @@ void check_rest(const JsonCursor& root, const RobotProblem& problem) {
   }
   if (const std::optional<JsonCursor> cost = root.find("cost")) static_cast<void>(number_or_null(*cost, kInf));
   if (const std::optional<JsonCursor> function = root.find("costFunction")) static_cast<void>(function->text());
-  if (const std::optional<JsonCursor> seconds = root.find("computationTime")) static_cast<void>(seconds->number());
+  if (const std::optional<JsonCursor> seconds = root.find("computationTime")) {
+    static_cast<void>(seconds->number({.lower = 0.0}));
+  }
   if (const std::optional<JsonCursor> processor = root.find("processorName")) static_cast<void>(processor->text());
   if (const std::optional<JsonCursor> set = root.find("moduleSet")) static_cast<void>(set->text());
   for (const char* list : {"moduleConnection", "baseConnection"}) {
@@ -273,9 +293,13 @@ LoadedSolution read_solution(const JsonCursor& root, const std::optional<std::st
                           problem.max_modules()));
   }
   if (has_design && root.has("moduleOrder")) check_module_order(root.at("moduleOrder"), library, record.design);
+  if (ours && root.has("moduleConnection")) {
+    check_connections(root.at("moduleConnection"), library, record.design);
+  }
   record.X_WB = root.has("basePose") ? read_base_pose(root.at("basePose"), problem) : problem.spec().X_WB;
 
   const auto n_joints = static_cast<std::size_t>(problem.chain(record.design.types()).n_joints());
+  result.claims = ours;
   if (ours) read_claims(root, problem, n_joints, record.evaluation);
   Attempt& attempt = record.evaluation.attempt;
   if (const std::optional<JsonCursor> trajectory = root.find("trajectory")) {

@@ -6,6 +6,7 @@ namespace modsearch::detail {
 namespace {
 
 constexpr double kMostSteps = 100'000.0;
+constexpr double kStandingStill = 1e-9;  // [s]
 
 /// Least time from one waypoint to the next [s].
 double duration(const Chain& chain, const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
@@ -34,7 +35,9 @@ TimedPath timed(const Chain& chain, const Path& path, double time_step) {
   result.rows_of_waypoints.push_back(0);
   for (std::size_t i = 0; i < durations.size(); ++i) {
     constexpr double kRounding = 1e-6;  // of a step: a segment of exactly n steps takes n
-    const auto n = static_cast<int>(std::ceil(durations[i] / step - kRounding));
+    auto n = static_cast<int>(std::ceil(durations[i] / step - kRounding));
+    // However long the step, a motion is not rounding: it would begin where it ends.
+    if (n == 0 && durations[i] > kStandingStill) n = 1;
     const Eigen::VectorXd from = waypoints.row(static_cast<Eigen::Index>(i));
     const Eigen::VectorXd to = waypoints.row(static_cast<Eigen::Index>(i) + 1);
     for (int k = 1; k < n; ++k) rows.emplace_back(from + (static_cast<double>(k) / n) * (to - from));

@@ -59,6 +59,7 @@ TEST_F(SolutionFile, ComesBackAsItWasWritten) {
   const auto file = folder_.path() / "solution.json";
   write_solution(file, *problem_, record_);
   const LoadedSolution loaded = load_solution(file);
+  EXPECT_TRUE(loaded.claims);
   EXPECT_EQ(loaded.record.design, record_.design);
   EXPECT_EQ(loaded.record.problem, "seed/fixed");
   EXPECT_EQ(loaded.record.evaluation.score, record_.evaluation.score);
@@ -108,6 +109,17 @@ TEST_F(SolutionFile, TimesEachLegByItsSlowestJointInWholeSteps) {
   for (std::size_t i = 1; i < q.size(); ++i) {
     for (std::size_t j = 0; j < 2; ++j) EXPECT_LE(std::abs(q[i][j] - q[i - 1][j]), 0.01 * (1.0 + 1e-9));
   }
+}
+
+TEST_F(SolutionFile, BeginsItsMotionAtHomeHoweverLongTheTimeStep) {
+  json file = json::parse(text_of(std::filesystem::path(MODSEARCH_SOURCE) / "data/scenarios/seed_fixed.json"));
+  file["task"]["header"]["timeStepSize"] = 1e6;
+  const auto slow = load_problem(folder_.write("slow.json", file.dump()).string());
+  const json trajectory = json::parse(solution_to_json(*slow, record_))["trajectory"];
+  // Each of the two legs takes less than a millionth of a step, and is a step nevertheless.
+  EXPECT_EQ(trajectory["t"], (json{0.0, 1e6, 2e6}));
+  EXPECT_EQ(trajectory["q"][0], (json{0.0, 0.0}));
+  EXPECT_EQ(trajectory["q"][1], (json{0.5, -0.125}));
 }
 
 TEST_F(SolutionFile, LeavesOutAMotionThatNobodyPlanned) {
@@ -173,6 +185,13 @@ TEST_F(SolutionFile, IsRefusedWhereItContradictsItself) {
   };
   ASSERT_EQ(refusal(good()), "");
   EXPECT_THAT(with("/score", 400.0), HasSubstr("at /score: 400 is not the sum of the terms, 341.9"));
+  EXPECT_THAT(with("/score", nullptr), HasSubstr("at /score: null is not the sum of the terms, 341.9"));
+  EXPECT_THAT(with("/moduleConnection/0/1", "in"),
+              HasSubstr("at /moduleConnection/0: [0,\"in\",1,\"in\"] is not [0,\"out\",1,\"in\"]"));
+  EXPECT_THAT(with("/moduleConnection", json::array()), HasSubstr("at /moduleConnection: has 0 connections where the"));
+  EXPECT_THAT(with("/computationTime", -1.0), HasSubstr("at /computationTime: -1 is not at least 0"));
+  EXPECT_THAT(with("/solver/seed", 1.8446744073709551616e19),
+              HasSubstr("at /solver/seed: 1.8446744073709552e+19 is not an integer in [0, 18446744073709551615]"));
   EXPECT_THAT(with("/reached", false), HasSubstr("at /achieved: true is not possible where \"reached\" is false"));
   EXPECT_THAT(with("/taskID", "other"), HasSubstr("at /taskID: \"other\" is not \"seed/fixed\""));
   EXPECT_THAT(with("/moduleOrder/1", "link"), HasSubstr("at /moduleOrder/1: \"link\" is not \"hinge\""));
@@ -216,6 +235,7 @@ TEST_F(SolutionFile, OfCobrasOwnIsReadByItsModules) {
       {"cost", 3.0},
       {"costFunction", "cyc"}};
   const LoadedSolution loaded = load_solution(write(text), file);
+  EXPECT_FALSE(loaded.claims);
   EXPECT_EQ(loaded.record.design.types(), (std::vector<int>{0, 0}));
   EXPECT_EQ(loaded.record.evaluation.attempt.path->waypoints.rows(), 2);
   EXPECT_FALSE(loaded.record.evaluation.attempt.achieved);
