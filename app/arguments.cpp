@@ -18,6 +18,32 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
 
 }  // namespace
 
+std::uint64_t parse_whole_number(std::string_view option, std::string_view text, std::uint64_t most) {
+  const std::optional<std::uint64_t> value = whole_number(text);
+  if (!value || *value > most) {
+    throw std::invalid_argument(fmt::format("{} {}: not a whole number in [0, {}]", option, text, most));
+  }
+  return *value;
+}
+
+double parse_seconds(std::string_view text) {
+  constexpr double kMost = 1e9;  // thirty years
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0.0 && value <= kMost)) {
+    throw std::invalid_argument(fmt::format("--seconds {}: not a number in [0, {:g}]", text, kMost));
+  }
+  return value;
+}
+
+std::string shell_word(std::string_view word) {
+  const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string_view::npos;
+  if (plain) return std::string{word};
+  std::string quoted;
+  for (const char c : word) quoted += c == '\'' ? std::string{"'\\''"} : std::string{c};
+  return '\'' + quoted + '\'';
+}
+
 Instance parse_instance(std::string_view text) {
   const std::size_t colon = text.find(':');
   const auto seed = whole_number(text.substr(0, colon));

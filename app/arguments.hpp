@@ -49,6 +49,16 @@ struct ListArguments {
   std::string what;  ///< "solvers", "agents" or "problems"
 };
 
+/// A whole number in [0, `most`] for `option`. Throws std::invalid_argument (option, text, limit) for anything else,
+/// such as a sign, a point, an exponent or a number that is too large.
+[[nodiscard]] std::uint64_t parse_whole_number(std::string_view option, std::string_view text, std::uint64_t most);
+
+/// Seconds in [0, 1e9]. Throws std::invalid_argument for anything else.
+[[nodiscard]] double parse_seconds(std::string_view text);
+
+/// A word as a shell takes it, in quotes where it needs them.
+[[nodiscard]] std::string shell_word(std::string_view word);
+
 /// "SEED:INDEX". Throws std::invalid_argument for anything else.
 [[nodiscard]] Instance parse_instance(std::string_view text);
 

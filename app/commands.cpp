@@ -1,27 +1,81 @@
 #include "app/commands.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <exception>
+#include <limits>
 #include <modsearch/solvers/verification.hpp>
 
 #include "app/page_of_solution.hpp"
 #include "app/progress.hpp"
-#include "app/report.hpp"
+#include "app/report_internal.hpp"
 #include "app/solver_registry.hpp"
 
 namespace modsearch::app {
 namespace {
 
-void print(const nlohmann::ordered_json& json) { fmt::print("{}\n", json.dump()); }
+[[noreturn]] void refuse_output() {
+  throw FileError(fmt::format("the standard output cannot be written: {}", std::strerror(errno)));
+}
+
+void write_out(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) refuse_output();
+}
+
+template <typename... Values>
+void say(fmt::format_string<Values...> format, Values&&... values) {
+  write_out(fmt::format(format, std::forward<Values>(values)...));
+}
+
+void print(const nlohmann::ordered_json& json) {
+  // What came from outside, such as the name of a file, need not be UTF-8.
+  write_out(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
+}
+
+bool is_builtin(const std::string& problem) {
+  const std::vector<std::string> builtin = builtin_problems();
+  return std::find(builtin.begin(), builtin.end(), problem) != builtin.end();
+}
 
 // A relative problem in a solution file is relative to that file; IDs of built-in problems stay as they are.
 std::string problem_reference(const std::string& problem, const std::filesystem::path& folder) {
-  const std::vector<std::string> builtin = builtin_problems();
-  if (std::find(builtin.begin(), builtin.end(), problem) != builtin.end()) return problem;
+  if (is_builtin(problem)) return problem;
   return std::filesystem::relative(std::filesystem::absolute(problem), std::filesystem::absolute(folder)).string();
+}
+
+// A problem with the instance of it that was asked for.
+struct ChosenProblem {
+  ProblemFile file;
+  std::optional<Instance> instance;  // of a sampled problem
+  std::shared_ptr<const RobotProblem> problem;
+};
+
+ChosenProblem choose_problem(const std::string& name, const std::optional<Instance>& asked) {
+  if (name.empty()) throw std::invalid_argument("PROBLEM is empty: neither a file nor the ID of a built-in problem");
+  ChosenProblem chosen{load_problem_file(name), std::nullopt, nullptr};
+  const Instance instance = asked.value_or(Instance{});
+  if (chosen.file.sampling) {
+    chosen.instance = instance;
+  } else if (instance.seed != 0 || instance.index != 0) {
+    throw std::invalid_argument(fmt::format("--instance {}:{}: {} is not sampled, so its only instance is 0:0",
+                                            instance.seed, instance.index, name));
+  }
+  try {
+    chosen.problem = chosen.file.instance(instance);
+  } catch (const std::exception& error) {
+    // No such instance: a fault of the file, such as a box that lies within an obstacle.
+    const std::string what = error.what();
+    const std::string place = name + ": ";
+    if (what.starts_with(place)) throw FileError(what);
+    throw FileError(fmt::format("{}instance {}:{}: {}", place, instance.seed, instance.index, what));
+  }
+  return chosen;
 }
 
 std::optional<Eigen::Vector3d> sampled_target(const ProblemFile& file, const RobotProblem& problem) {
@@ -33,10 +87,17 @@ std::optional<Eigen::Vector3d> sampled_target(const ProblemFile& file, const Rob
 }
 
 void make_folder(const std::filesystem::path& folder) {
+  if (folder.empty()) throw std::invalid_argument("--out is empty: not the name of a folder");
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw FileError(fmt::format("{}: cannot make this folder: {}", folder.string(), error.message()));
+  // Before the search, not after it.
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw FileError(fmt::format("{}: cannot write into this folder: {}", folder.string(), std::strerror(errno)));
+  }
 }
+
+constexpr std::string_view kNothingEvaluated = "nothing was evaluated";
 
 std::string why_not(const Verification& verification) {
   return verification.findings.empty() ? std::string{} : verification.findings.front();
@@ -46,17 +107,17 @@ std::string why_not(const Verification& verification) {
 
 Status solve(const SolveArguments& arguments, const CommonArguments& common, std::stop_token stop) {
   const ChosenSolver chosen = choose_solver(arguments.solver);
-  const ProblemFile file = load_problem_file(arguments.problem);
-  const std::optional<Instance> instance =
-      file.sampling ? std::optional{arguments.instance.value_or(Instance{})} : std::nullopt;
-  std::shared_ptr<const RobotProblem> problem = file.instance(instance.value_or(Instance{}));
+  const auto [file, instance, as_given] = choose_problem(arguments.problem, arguments.instance);
+  std::shared_ptr<const RobotProblem> problem = as_given;
   if (arguments.at_path_level) problem = std::make_shared<RobotProblem>(problem->with_level(Level::kPath));
   if (arguments.out) make_folder(*arguments.out);
 
   ProgressDisplay display{arguments.solver, common.quiet};
   Meter meter{budget_of(arguments), [&](const Meter& m) { display.update(m); }, stop};
-  const Solution solution = chosen.solver->solve(*problem, meter, Rng{arguments.seed});
+  Solution solution = chosen.solver->solve(*problem, meter, Rng{arguments.seed});
   display.finish();
+  const bool evaluated = meter.best().has_value();
+  if (!evaluated) solution.evaluation.attempt.goal_error = std::numeric_limits<double>::infinity();  // not known
 
   const Claims claims{.score = solution.evaluation.score, .achieved = solution.evaluation.attempt.achieved};
   std::optional<Verification> verification;
@@ -85,6 +146,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   json["solver"] = arguments.solver;
   json["seed"] = arguments.seed;
   json.update(evaluation_json(*problem, solution.design, solution.evaluation));
+  if (!evaluated) json["why"] = kNothingEvaluated;
   json["verified"] = verification && verification->level == "path";
   json["evaluations"] = solution.spent.evaluations;
   json["programEvaluations"] = solution.spent.program_evaluations;
@@ -94,21 +156,35 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   if (record.target) json["target"] = {record.target->x(), record.target->y(), record.target->z()};
 
   std::vector<std::string> written;
-  if (arguments.out) {
+  const auto write_files = [&] {
     SolutionRecord stored = record;
     stored.problem = problem_reference(arguments.problem, *arguments.out);
-    const std::string reason = verification ? why_not(*verification) : solution.reason;
+    const std::string reason =
+        verification ? why_not(*verification)
+                     : fmt::format("{}; the search ended: {}{}",
+                                   evaluated ? name(solution.evaluation.attempt.why) : kNothingEvaluated,
+                                   name(solution.stop), solution.reason.empty() ? "" : ", " + solution.reason);
     const Page page = page_of_solution(*problem, record,
                                        {.path = record.evaluation.attempt.path,
                                         .sampling = file.sampling,
                                         .trace = meter.trace(),
                                         .command = common.command,
                                         .reason = reason});
-    write_solution(*arguments.out / "solution.json", *problem, stored);
-    write_file(*arguments.out / "trace.csv", trace_csv(meter.trace()));
-    write_file(*arguments.out / "view.html", write_page(page));
-    for (const char* name : {"solution.json", "trace.csv", "view.html"}) {
-      written.push_back((*arguments.out / name).string());
+    const std::pair<const char*, std::string> texts[] = {{"solution.json", solution_to_json(*problem, stored)},
+                                                         {"trace.csv", trace_csv(meter.trace())},
+                                                         {"view.html", write_page(page)}};
+    for (const auto& [file_name, text] : texts) {
+      write_file(*arguments.out / file_name, text);
+      written.push_back((*arguments.out / file_name).string());
+    }
+  };
+  // What was found is told even where it cannot be written.
+  std::exception_ptr not_written;
+  if (arguments.out) {
+    try {
+      write_files();
+    } catch (const FileError&) {
+      not_written = std::current_exception();
     }
     json["files"] = written;
   }
@@ -116,36 +192,40 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   if (common.json) {
     print(json);
   } else {
-    fmt::print("problem      {}{}\n", arguments.problem,
-               instance ? fmt::format(", instance {}:{}", instance->seed, instance->index) : "");
+    say("problem      {}{}\n", arguments.problem,
+        instance ? fmt::format(", instance {}:{}", instance->seed, instance->index) : "");
     if (record.target) {
-      fmt::print("target       ({:.4f}, {:.4f}, {:.4f})\n", record.target->x(), record.target->y(), record.target->z());
+      say("target       ({:.4f}, {:.4f}, {:.4f})\n", record.target->x(), record.target->y(), record.target->z());
     }
-    fmt::print("{}", evaluation_text(*problem, solution.design, solution.evaluation));
+    write_out(evaluated ? evaluation_text(*problem, solution.design, solution.evaluation)
+                        : fmt::format("design       none: {}\n", kNothingEvaluated));
     if (verification) {
-      fmt::print("verified     {}{}\n", verification->level,
-                 verification->level == "path" ? ": a collision-free path from home through all goals"
-                                               : fmt::format(" ({})", why_not(*verification)));
+      say("verified     {}{}\n", verification->level,
+          verification->level == "path" ? ": a collision-free path from home through all goals"
+                                        : fmt::format(" ({})", why_not(*verification)));
     }
-    fmt::print("solver       {}, seed {}: {} evaluations, {:.3f} s\n", arguments.solver, arguments.seed,
-               solution.spent.evaluations, solution.spent.seconds);
-    fmt::print("ended        {}{}\n", name(solution.stop),
-               solution.reason.empty() ? "" : fmt::format(": {}", solution.reason));
-    for (const std::string& path : written) fmt::print("wrote        {}\n", path);
+    say("solver       {}, seed {}: {} evaluations, {:.3f} s\n", arguments.solver, arguments.seed,
+        solution.spent.evaluations, solution.spent.seconds);
+    say("ended        {}{}\n", name(solution.stop),
+        solution.reason.empty() ? "" : fmt::format(": {}", solution.reason));
+    for (const std::string& path : written) say("wrote        {}\n", path);
+  }
+  if (not_written) {
+    flush_output();
+    std::rethrow_exception(not_written);
   }
   if (solution.stop == StopReason::kInterrupted) return Status::kInterrupted;
   return solution.evaluation.attempt.achieved ? Status::kSuccess : Status::kNegative;
 }
 
 Status evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
-  const ProblemFile file = load_problem_file(arguments.problem);
-  const std::shared_ptr<const RobotProblem> problem = file.instance(arguments.instance.value_or(Instance{}));
+  const std::shared_ptr<const RobotProblem> problem = choose_problem(arguments.problem, arguments.instance).problem;
   const Design design = load_design(arguments.design, problem->library());
   const Evaluation evaluation = problem->evaluate(design);
   if (common.json) {
     print(evaluation_json(*problem, design, evaluation));
   } else {
-    fmt::print("{}", evaluation_text(*problem, design, evaluation));
+    write_out(evaluation_text(*problem, design, evaluation));
   }
   return Status::kSuccess;
 }
@@ -153,34 +233,73 @@ Status evaluate(const EvaluateArguments& arguments, const CommonArguments& commo
 Status verify_solution(const VerifyArguments& arguments, const CommonArguments& common) {
   const LoadedSolution loaded = load_solution(arguments.solution, arguments.problem);
   const Attempt& claimed = loaded.record.evaluation.attempt;
-  Claims claims{.score = loaded.record.evaluation.score, .reached = claimed.reached, .achieved = claimed.achieved};
+  Claims claims;
+  if (loaded.claims) {
+    claims = {.score = loaded.record.evaluation.score,
+              .reached = claimed.reached,
+              .achieved = claimed.achieved,
+              .goal_error = claimed.goal_error,
+              .clearance = claimed.clearance};
+  }
   if (claimed.postures.size() > 0) claims.postures = claimed.postures;
   if (claimed.path && claimed.path->waypoints.rows() > 0) claims.path = claimed.path;
   const Verification verification = verify(*loaded.problem, loaded.record.design, claims);
   if (common.json) {
     print(verification_json(verification));
   } else {
-    fmt::print("{}", verification_text(verification));
+    write_out(verification_text(verification));
   }
   return verification.verified ? Status::kSuccess : Status::kNegative;
 }
 
+namespace {
+
+// The problem that a solution file belongs to, as it can be named from here.
+std::string named_problem(const RenderArguments& arguments, const SolutionRecord& record) {
+  if (arguments.problem) return *arguments.problem;
+  if (is_builtin(record.problem)) return record.problem;
+  return (std::filesystem::path{arguments.solution}.parent_path() / record.problem).lexically_normal().string();
+}
+
+// What finds the same solution again; nothing where the file does not say which solver it is from.
+std::optional<std::string> solve_command(const std::string& problem, const SolutionRecord& record) {
+  const std::vector<SolverEntry>& known = solver_entries();
+  const bool solvable =
+      std::any_of(known.begin(), known.end(), [&](const SolverEntry& entry) { return entry.name == record.solver; });
+  if (!solvable) return std::nullopt;
+  std::string solver = record.solver;
+  for (const auto& [key, value] : record.solver_options) {
+    solver += fmt::format("{}{}={}", solver == record.solver ? ':' : ',', key, value);
+  }
+  std::string text = fmt::format("modsearch solve {}", shell_word(problem));
+  if (record.instance) text += fmt::format(" --instance {}:{}", record.instance->seed, record.instance->index);
+  return text +
+         fmt::format(" --solver {} --seed {} --evaluations {}", shell_word(solver), record.seed, record.evaluations);
+}
+
+}  // namespace
+
 Status render(const RenderArguments& arguments, const CommonArguments& common) {
+  if (arguments.out) make_folder(*arguments.out);
   LoadedSolution loaded = load_solution(arguments.solution, arguments.problem);
-  const std::optional<Path> path = loaded.record.evaluation.attempt.path;
+  const Attempt& attempt = loaded.record.evaluation.attempt;
+  const std::string problem = named_problem(arguments, loaded.record);
   const std::string page =
-      write_page(page_of_solution(*loaded.problem, loaded.record, {.path = path, .command = common.command}));
+      write_page(page_of_solution(*loaded.problem, loaded.record,
+                                  {.path = attempt.path,
+                                   .sampling = load_problem_file(problem).sampling,
+                                   .command = solve_command(problem, loaded.record).value_or(common.command),
+                                   .reason = attempt.achieved ? std::string{} : std::string{name(attempt.why)}}));
   if (!arguments.out) {
-    fmt::print("{}", page);
+    write_out(page);
     return Status::kSuccess;
   }
-  make_folder(*arguments.out);
   const std::filesystem::path view = *arguments.out / "view.html";
   write_file(view, page);
   if (common.json) {
     print({{"files", {view.string()}}});
   } else {
-    fmt::print("wrote        {}\n", view.string());
+    say("wrote        {}\n", view.string());
   }
   return Status::kSuccess;
 }
@@ -216,9 +335,13 @@ Status list(const ListArguments& arguments, const CommonArguments& common) {
   if (common.json) {
     print(json);
   } else {
-    fmt::print("{}", text);
+    write_out(text);
   }
   return Status::kSuccess;
+}
+
+void flush_output() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) refuse_output();
 }
 
 }  // namespace modsearch::app

@@ -23,4 +23,7 @@ enum class Status {
 [[nodiscard]] Status render(const RenderArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status list(const ListArguments& arguments, const CommonArguments& common);
 
+/// What the commands print may still wait in a buffer: throws FileError if it cannot be written, say to a full disk.
+void flush_output();
+
 }  // namespace modsearch::app

@@ -4,9 +4,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "app/arguments.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
 
@@ -18,13 +20,7 @@ using namespace modsearch::app;
 // The command line as a shell would take it, for records.
 std::string typed(int argc, char** argv) {
   std::string text = "modsearch";
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos;
-    std::string quoted;
-    for (const char c : word) quoted += c == '\'' ? std::string{"'\\''"} : std::string{c};
-    text += ' ' + (plain ? word : '\'' + quoted + '\'');
-  }
+  for (int i = 1; i < argc; ++i) text += ' ' + shell_word(argv[i]);
   return text;
 }
 
@@ -59,14 +55,33 @@ void describe(CLI::App& app, Arguments& a) {
   solve.add_option("--solver", a.solve.solver, "NAME[:key=value,...], see `modsearch list solvers`")
       ->capture_default_str();
   add_instance(solve, a.solve.instance);
-  solve.add_option("--evaluations", a.solve.evaluations, "at most this many evaluations of the score")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
-  solve.add_option("--seconds", a.solve.seconds, "at most this long [s]; 30 without --evaluations")
-      ->check(CLI::Range(0.0, 1e9));
-  solve.add_option("--seed", a.solve.seed, "of the solver's random numbers")->capture_default_str();
-  solve.add_option_function<std::string>(
-           "--fidelity", [&](const std::string&) { a.solve.at_path_level = true; },
-           "path: ask for a collision-free path, whatever the problem's own level")
+  // The numbers are read here because CLI11 takes -1 and numbers that are too large for something else.
+  solve
+      .add_option_function<std::string>(
+          "--evaluations",
+          [&](const std::string& text) {
+            constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+            a.solve.evaluations = static_cast<std::int64_t>(parse_whole_number("--evaluations", text, kMost));
+          },
+          "at most this many evaluations of the score")
+      ->type_name("N");
+  solve
+      .add_option_function<std::string>(
+          "--seconds", [&](const std::string& text) { a.solve.seconds = parse_seconds(text); },
+          "at most this long [s]; 30 without --evaluations")
+      ->type_name("S");
+  solve
+      .add_option_function<std::string>(
+          "--seed",
+          [&](const std::string& text) {
+            a.solve.seed = parse_whole_number("--seed", text, std::numeric_limits<std::uint64_t>::max());
+          },
+          "of the solver's random numbers (default 0)")
+      ->type_name("N");
+  solve
+      .add_option_function<std::string>(
+          "--fidelity", [&](const std::string&) { a.solve.at_path_level = true; },
+          "path: ask for a collision-free path, whatever the problem's own level")
       ->check(CLI::IsMember({"path"}));
   solve.add_option("--out", a.solve.out, "folder for solution.json, trace.csv and view.html");
   add_common(solve, a.common, "modsearch solve seed/fixed --solver per-sequence:inner=ipopt --out out/");
@@ -106,8 +121,9 @@ void check_command(const CLI::App& app, int argc, char** argv) {
   throw std::invalid_argument(fmt::format("'{}' is not one of {}", argv[1], fmt::join(known, ", ")));
 }
 
-Status run(const CLI::App& app, const Arguments& a, const std::stop_token& stop) {
-  if (app.got_subcommand("solve")) return solve(a.solve, a.common, stop);
+Status run(const CLI::App& app, const Arguments& a) {
+  // Only a search can be asked to stop and still has something to say; everything else Ctrl-C simply ends.
+  if (app.got_subcommand("solve")) return solve(a.solve, a.common, stop_on_interrupt());
   if (app.got_subcommand("evaluate")) return evaluate(a.evaluate, a.common);
   if (app.got_subcommand("verify")) return verify_solution(a.verify, a.common);
   if (app.got_subcommand("render")) return render(a.render, a.common);
@@ -122,7 +138,6 @@ int complain(Status status, const std::string& what) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::stop_token stop = stop_on_interrupt();
   CLI::App app{"Modular robot design as a search problem."};
   app.name("modsearch");
   Arguments arguments;
@@ -131,7 +146,9 @@ int main(int argc, char** argv) {
   try {
     check_command(app, argc, argv);
     app.parse(argc, argv);
-    return static_cast<int>(run(app, arguments, stop));
+    const Status status = run(app, arguments);
+    flush_output();
+    return static_cast<int>(status);
   } catch (const CLI::CallForHelp& e) {
     return app.exit(e);
   } catch (const CLI::CallForAllHelp& e) {

@@ -80,7 +80,8 @@ std::vector<PageMilestone> milestones(const RobotProblem& problem, const Arm& ar
   for (const Goal& goal : problem.task().goals()) {
     for (; row < path.waypoints.rows(); ++row) {
       const Posture posture = arm.forward(path.waypoints.row(row).transpose());
-      if (goal.region.violations(posture.tip).cwiseAbs().maxCoeff() > 1e-6) continue;
+      // A region without tolerances has no violations at all: it contains every pose.
+      if (!(goal.region.violations(posture.tip).array().abs() <= 1e-6).all()) continue;
       result.push_back({"goal " + goal.id, samples.waypoint_sample[static_cast<std::size_t>(row)]});
       break;
     }
@@ -187,8 +188,9 @@ Page page_of_solution(const RobotProblem& problem, const SolutionRecord& record,
     page.milestones = milestones(problem, arm, *context.path, samples);
   } else {
     const bool has_posture = attempt.postures.rows() > 0 && attempt.postures.cols() == chain.n_joints();
-    add_robot(page, chain, arm,
-              {has_posture ? Eigen::VectorXd{attempt.postures.row(0).transpose()} : home_posture(problem.task(), chain)});
+    add_robot(
+        page, chain, arm,
+        {has_posture ? Eigen::VectorXd{attempt.postures.row(0).transpose()} : home_posture(problem.task(), chain)});
   }
   for (const TracePoint& point : context.trace) {
     page.trace.push_back({point.evaluations, point.seconds, point.score, point.achieved});

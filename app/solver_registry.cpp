@@ -87,8 +87,8 @@ ChosenSolver choose_solver(const std::string& text) {
   chosen.name = text.substr(0, colon);
   const SolverEntry& entry = entry_named(chosen.name);
   OptionValues values;
-  std::size_t at = colon == std::string::npos ? text.size() : colon + 1;
-  while (at < text.size()) {
+  std::size_t at = colon == std::string::npos ? text.size() + 1 : colon + 1;
+  while (at <= text.size()) {
     const std::size_t comma = std::min(text.find(',', at), text.size());
     const std::string pair = text.substr(at, comma - at);
     const std::size_t equals = pair.find('=');

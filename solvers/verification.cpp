@@ -25,11 +25,28 @@ void check_claims(const Claims& claims, const Evaluation& evaluation, std::vecto
   }
 }
 
+// The rounding of another machine may lead to another one of several equally good postures.
+constexpr double kSameLength = 1e-4;  // [m]
+
+bool same_length(double a, double b) { return a == b || std::abs(a - b) <= kSameLength; }
+
+// A design that was found at level path has the lengths of that level's postures.
+void check_lengths(const Claims& claims, const Attempt& attempt, const Attempt& at_path_level,
+                   std::vector<std::string>& findings) {
+  const auto check = [&](std::string_view what, const std::optional<double>& claimed, double Attempt::*length) {
+    if (!claimed || same_length(attempt.*length, *claimed) || same_length(at_path_level.*length, *claimed)) return;
+    findings.push_back(fmt::format("the {} is {:.4g} m, not {:.4g} m as claimed", what, attempt.*length, *claimed));
+  };
+  check("goal error", claims.goal_error, &Attempt::goal_error);
+  check("clearance", claims.clearance, &Attempt::clearance);
+}
+
 // Postures from a file are rounded: the region may be missed by as much as that moves the tip.
 constexpr double kPostureSlack = 1e-6;
 
 bool nearly_contains(const PoseRegion& region, const Eigen::Isometry3d& X_WE) {
-  return region.violations(X_WE).cwiseAbs().maxCoeff() <= kPostureSlack;
+  // all() of nothing is true: a region without tolerances contains every pose.
+  return (region.violations(X_WE).array().abs() <= kPostureSlack).all();
 }
 
 void check_postures(const RobotProblem& problem, const Arm& arm, const Eigen::MatrixXd& postures,
@@ -85,6 +102,7 @@ Verification verify(const RobotProblem& problem, const Design& design, const Cla
   result.evaluation = problem.evaluate(design);
   result.path_evaluation = at_path_level.evaluate(design);
   check_claims(claims, result.evaluation, result.findings);
+  check_lengths(claims, result.evaluation.attempt, result.path_evaluation.attempt, result.findings);
 
   const Attempt& attempt = result.path_evaluation.attempt;
   const std::vector<int> types = design.types();

@@ -12,7 +12,9 @@ struct Claims {
   std::optional<double> score{};
   std::optional<bool> reached{};
   std::optional<bool> achieved{};
-  std::optional<Eigen::MatrixXd> postures{}; ///< [n_goals x n_joints]
+  std::optional<double> goal_error{};         ///< [m]
+  std::optional<double> clearance{};          ///< at the postures [m]; infinite without obstacles
+  std::optional<Eigen::MatrixXd> postures{};  ///< [n_goals x n_joints]
   std::optional<Path> path{};                 ///< home through all goals
 };
 

@@ -55,8 +55,10 @@ class TemporaryFolder {
 /// A child process whose outputs go to files.
 class Child {
  public:
-  Child(const std::vector<std::string>& arguments, const std::filesystem::path& folder)
-      : out_{folder / "stdout.txt"}, err_{folder / "stderr.txt"} {
+  /// `out`: where stdout goes instead of into the folder, such as /dev/full.
+  Child(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+        const std::filesystem::path& out = {})
+      : out_{out.empty() ? folder / "stdout.txt" : out}, err_{folder / "stderr.txt"} {
     std::vector<char*> argv;
     std::vector<std::string> words{MODSEARCH_COMMAND};
     words.insert(words.end(), arguments.begin(), arguments.end());
@@ -64,6 +66,7 @@ class Child {
     argv.push_back(nullptr);
     pid_ = fork();
     if (pid_ == 0) {
+      signal(SIGINT, SIG_DFL);  // a shell in the background has it ignored
       const auto redirect = [](const std::filesystem::path& file, int to) {
         const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
         dup2(descriptor, to);
@@ -78,13 +81,55 @@ class Child {
   [[nodiscard]] Outcome wait() const {
     int status = 0;
     waitpid(pid_, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read_text(out_), read_text(err_)};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status),
+            std::filesystem::is_regular_file(out_) ? read_text(out_) : std::string{}, read_text(err_)};
   }
 
  private:
   std::filesystem::path out_;
   std::filesystem::path err_;
   pid_t pid_ = -1;
+};
+
+/// A child process that begins to write to a pipe and then waits for ever, because nobody reads on.
+class StuckChild {
+ public:
+  explicit StuckChild(const std::vector<std::string>& arguments) {
+    std::vector<char*> argv;
+    std::vector<std::string> words{MODSEARCH_COMMAND};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    int ends[2] = {-1, -1};
+    if (pipe(ends) != 0) throw std::runtime_error("no pipe");
+    pid_ = fork();
+    if (pid_ == 0) {
+      signal(SIGINT, SIG_DFL);
+      dup2(ends[1], STDOUT_FILENO);
+      close(ends[0]);
+      close(ends[1]);
+      execv(argv[0], argv.data());
+      _exit(127);
+    }
+    close(ends[1]);
+    reading_ = ends[0];
+    char first = 0;
+    if (read(reading_, &first, 1) != 1) throw std::runtime_error("the program says nothing");
+  }
+  StuckChild(const StuckChild&) = delete;
+  StuckChild& operator=(const StuckChild&) = delete;
+  ~StuckChild() { close(reading_); }
+  /// The signal that ended it, after one Ctrl-C; 0 where it ended by itself.
+  [[nodiscard]] int signal_after_interrupt() const {
+    kill(pid_, SIGINT);
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  int reading_ = -1;
 };
 
 inline Outcome modsearch(const std::vector<std::string>& arguments, const TemporaryFolder& folder) {

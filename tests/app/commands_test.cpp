@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "app/command.hpp"
 
@@ -10,10 +12,11 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
-using ::testing::StartsWith;
 using testing::modsearch;
+using ::testing::Not;
 using testing::Outcome;
 using testing::read_text;
+using ::testing::StartsWith;
 using testing::TemporaryFolder;
 
 void write(const std::string& file, const std::string& text) { std::ofstream{file} << text; }
@@ -39,7 +42,8 @@ json far_problem() {
 
 TEST(Solve, WritesASolutionATraceAndAPageThatVerify) {
   const TemporaryFolder folder;
-  const Outcome solved = modsearch({"solve", "seed/random_obstacles", "--instance", "0:3", "--out", folder / "out"}, folder);
+  const Outcome solved =
+      modsearch({"solve", "seed/random_obstacles", "--instance", "0:3", "--out", folder / "out"}, folder);
   EXPECT_EQ(solved.status, 0) << solved.err;
   EXPECT_THAT(solved.out, HasSubstr("achieved"));
   EXPECT_THAT(solved.out, HasSubstr("verified     path"));
@@ -94,9 +98,9 @@ TEST(Solve, EndsWithOneAndTheReasonForATargetBeyondEveryReach) {
 
 TEST(Solve, StopsOnCtrlCAndWritesWhatThereIs) {
   const TemporaryFolder folder;
-  const testing::Child child{{"solve", "seed/fixed", "--solver", "random", "--evaluations", "1000000000", "--json", "--out",
-                              folder / "out"},
-                             folder.path()};
+  const testing::Child child{
+      {"solve", "seed/fixed", "--solver", "random", "--evaluations", "1000000000", "--json", "--out", folder / "out"},
+      folder.path()};
   std::this_thread::sleep_for(std::chrono::milliseconds{700});  // for the program to have begun; a second is no limit
   child.interrupt();
   const Outcome outcome = child.wait();
@@ -113,9 +117,117 @@ TEST(Solve, HonoursABudgetOfSeconds) {
   EXPECT_GE(answer.at("seconds").get<double>(), 0.2);
 }
 
+TEST(Solve, SaysThatNothingWasEvaluatedRatherThanThatTheGoalIsMet) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> command = {"solve", "seed/fixed", "--evaluations", "0", "--out", folder / "out"};
+  const Outcome text = modsearch(command, folder);
+  EXPECT_EQ(text.status, 1);
+  EXPECT_THAT(text.out, HasSubstr("none: nothing was evaluated"));
+  EXPECT_THAT(text.out, Not(HasSubstr("goal error")));
+  EXPECT_TRUE(json::parse(read_text(folder / "out/solution.json")).at("goalError_m").is_null());
+  std::vector<std::string> with_json = command;
+  with_json.push_back("--json");
+  const json answer = json::parse(modsearch(with_json, folder).out);
+  EXPECT_TRUE(answer.at("goalError_m").is_null());
+  EXPECT_TRUE(answer.at("score").is_null());
+  EXPECT_EQ(answer.at("why"), "nothing was evaluated");
+}
+
+TEST(Solve, TellsWhatItFoundEvenWhereItCannotBeWritten) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "out/view.html");  // a folder where the page has to go
+  const Outcome solved = modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder);
+  EXPECT_EQ(solved.status, 2);
+  EXPECT_THAT(solved.out, HasSubstr("341.914830"));
+  EXPECT_THAT(solved.err, HasSubstr("view.html: cannot be written: Is a directory"));
+}
+
+TEST(Solve, RefusesAFolderThatItMayNotWriteIntoBeforeItSearches) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "out");
+  std::filesystem::permissions(folder / "out", std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  const Outcome solved = modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder);
+  EXPECT_EQ(solved.status, 2);
+  EXPECT_EQ(solved.out, "");
+  EXPECT_THAT(solved.err, HasSubstr("cannot write into this folder: Permission denied"));
+}
+
+TEST(Solve, FailsWhereItsAnswerCannotBeWrittenToStdout) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  const TemporaryFolder folder;
+  for (const char* format : {"--json", "--quiet"}) {
+    const Outcome solved = testing::Child{{"solve", "seed/fixed", format}, folder.path(), "/dev/full"}.wait();
+    EXPECT_EQ(solved.status, 2) << format;
+    EXPECT_THAT(solved.err, HasSubstr("standard output cannot be written: No space left on device"));
+  }
+}
+
+TEST(Solve, TakesAnInstanceOfASampledProblemOnly) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(modsearch({"solve", "seed/fixed", "--instance", "0:0"}, folder).status, 0);  // the only one that there is
+  const Outcome refused = modsearch({"solve", "seed/fixed", "--instance", "0:3"}, folder);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("seed/fixed is not sampled"));
+}
+
+TEST(Solve, BlamesTheFileWhereNoTargetCanBeDrawn) {
+  const TemporaryFolder folder;
+  json problem = far_problem();
+  problem["task"]["obstacles"] = {
+      {{"ID", "ball"}, {"collision", {{{"type", "sphere"}, {"parameters", {{"r", 1.0}}}}}}}};
+  problem["sampling"] = {
+      {"goal", "1"}, {"box", {{"lower", {0, 0, 0}}, {"upper", {0.1, 0.1, 0.1}}}}, {"minClearance", 0.1}};
+  write(folder / "within.json", problem.dump());
+  const Outcome within = modsearch({"solve", folder / "within.json"}, folder);
+  EXPECT_EQ(within.status, 2);
+  EXPECT_THAT(within.err, HasSubstr("within.json: instance 0:0: 10000 targets in a row"));
+
+  problem["sampling"] = {{"goal", "1"}, {"box", {{"lower", {-1.7e308, 0, 0}}, {"upper", {1.7e308, 0, 0}}}}};
+  write(folder / "endless.json", problem.dump());
+  const Outcome endless = modsearch({"solve", folder / "endless.json"}, folder);
+  EXPECT_EQ(endless.status, 2);
+  EXPECT_THAT(endless.err, HasSubstr("endless.json: instance 0:0: "));
+}
+
+TEST(Solve, TakesAGoalThatAsksForNothing) {
+  const TemporaryFolder folder;
+  json problem = far_problem();
+  json& pose = problem["task"]["goals"][0]["goalPose"];
+  pose["toleranceProjection"] = json::array();
+  pose["tolerance"] = json::array();
+  write(folder / "any.json", problem.dump());
+  const Outcome solved = modsearch({"solve", folder / "any.json", "--out", folder / "out"}, folder);
+  EXPECT_EQ(solved.status, 0) << solved.err;
+  EXPECT_EQ(modsearch({"verify", folder / "out/solution.json"}, folder).status, 0);
+}
+
+TEST(Solve, WritesAMotionThatVerifiesHoweverLongTheTimeStep) {
+  const TemporaryFolder folder;
+  json problem = far_problem();
+  problem["task"]["header"]["timeStepSize"] = 1e6;
+  problem["task"]["goals"][0]["goalPose"]["nominal"] = {{1, 0, 0, 1}, {0, 1, 0, 0}, {0, 0, 1, 1}, {0, 0, 0, 1}};
+  write(folder / "slow.json", problem.dump());
+  ASSERT_EQ(modsearch({"solve", folder / "slow.json", "--out", folder / "out"}, folder).status, 0);
+  const Outcome verified = modsearch({"verify", folder / "out/solution.json"}, folder);
+  EXPECT_EQ(verified.status, 0) << verified.out << verified.err;
+}
+
+TEST(Solve, TakesFolderNamesOfAnyKind) {
+  const TemporaryFolder folder;
+  for (const char* name : {"with space", "\xc3\xbc\xe2\x98\x83 'quoted\"", "not UTF-8 \xff"}) {
+    const std::string out = folder / name;
+    const Outcome solved = modsearch({"solve", "seed/fixed", "--json", "--out", out}, folder);
+    EXPECT_EQ(solved.status, 0) << name << solved.err;
+    EXPECT_TRUE(json::accept(solved.out)) << name;
+    EXPECT_EQ(modsearch({"verify", out + "/solution.json"}, folder).status, 0) << name;
+  }
+}
+
 TEST(Solve, RaisesTheCollisionLevelToPathOnDemand) {
   const TemporaryFolder folder;
-  const Outcome solved = modsearch({"solve", "seed/fixed", "--fidelity", "path", "--json", "--out", folder / "out"}, folder);
+  const Outcome solved =
+      modsearch({"solve", "seed/fixed", "--fidelity", "path", "--json", "--out", folder / "out"}, folder);
   EXPECT_EQ(solved.status, 0);
   const json solution = json::parse(read_text(folder / "out/solution.json"));
   EXPECT_GE(solution.at("trajectory").at("q").size(), 2u);
@@ -157,6 +269,37 @@ TEST(Verify, RefusesADesignThatMissesTheTarget) {
   EXPECT_THAT(verified.out, HasSubstr("unreachable"));
 }
 
+TEST(Verify, RefusesLengthsThatAreNotTrue) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"solve", "seed/random_obstacles", "--instance", "0:3", "--out", folder / "out"}, folder).status,
+            0);
+  const json solution = json::parse(read_text(folder / "out/solution.json"));
+  for (const auto& [key, value, words] : std::vector<std::tuple<std::string, json, std::string>>{
+           {"clearance_m", 0.5, "the clearance is 0.0671 m, not 0.5 m as claimed"},
+           {"clearance_m", nullptr, "not inf m as claimed"},
+           {"goalError_m", 0.0, "the goal error is 0.0009999 m, not 0 m as claimed"}}) {
+    json altered = solution;
+    altered[key] = value;
+    write(folder / "out/solution.json", altered.dump());
+    const Outcome verified = modsearch({"verify", folder / "out/solution.json"}, folder);
+    EXPECT_EQ(verified.status, 1) << key;
+    EXPECT_THAT(verified.out, HasSubstr(words));
+  }
+}
+
+TEST(Verify, HoldsNoClaimsAgainstAFileThatMakesNone) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder).status, 0);
+  json solution = json::parse(read_text(folder / "out/solution.json"));
+  for (const char* ours : {"modsearch", "score", "terms", "reached", "achieved", "goalError_m", "clearance_m",
+                           "postures", "verified", "solver"}) {
+    solution.erase(ours);
+  }
+  write(folder / "out/solution.json", solution.dump());
+  const Outcome verified = modsearch({"verify", folder / "out/solution.json"}, folder);
+  EXPECT_EQ(verified.status, 0) << verified.out << verified.err;
+}
+
 TEST(Evaluate, ShowsTheScoreTermByTerm) {
   const TemporaryFolder folder;
   write(folder / "design.json", R"([{"type": "hinge", "parameters": {"proximal": 0.5, "distal": 1.118}}])");
@@ -184,6 +327,29 @@ TEST(Render, MakesThePageOfASolution) {
   EXPECT_THAT(read_text(folder / "page/view.html"), HasSubstr("<!DOCTYPE html>"));
 }
 
+TEST(Render, TellsHowToSolveItAgainAndWhereTargetsAreSampled) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"solve", "seed/random_wide", "--instance", "0:1", "--solver",
+                       "per-sequence:inner=slsqp,starts=4", "--seed", "7", "--out", folder / "out"},
+                      folder)
+                .status,
+            0);
+  const int evaluations = json::parse(read_text(folder / "out/solution.json")).at("solver").at("evaluations");
+  ASSERT_EQ(modsearch({"render", folder / "out/solution.json", "--out", folder / "out"}, folder).status, 0);
+  const std::string page = read_text(folder / "out/view.html");
+  EXPECT_THAT(page, HasSubstr("\"command\":\"modsearch solve seed/random_wide --instance 0:1 --solver "
+                              "per-sequence:inner=slsqp,starts=4 --seed 7 --evaluations " +
+                              std::to_string(evaluations) + "\""));
+  EXPECT_THAT(page, HasSubstr("\"region\":{\"lower\":[0.0,0.0,0.0],\"upper\":[1.0,1.0,2.0]}"));
+}
+
+TEST(Render, EndsAtTheFirstCtrlC) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder).status, 0);
+  const testing::StuckChild child{{"render", folder / "out/solution.json"}};  // the page is longer than any pipe
+  EXPECT_EQ(child.signal_after_interrupt(), SIGINT);
+}
+
 TEST(List, ShowsSolversWithOptionsAndProblems) {
   const TemporaryFolder folder;
   const Outcome solvers = modsearch({"list", "solvers"}, folder);
@@ -207,7 +373,18 @@ TEST(BadUsage, EndsWithTwoAndOneSentence) {
       {{"solve", "seed/fixed", "--solver", "per-sequence:starts=0"}, "starts=0: not an integer in [1, 100000]"},
       {{"solve", "seed/fixed", "--solver", "random:x=1"}, "no option 'x'"},
       {{"solve", "seed/fixed", "--instance", "3"}, "SEED:INDEX"},
-      {{"solve", "seed/fixed", "--evaluations", "-1"}, "--evaluations"},
+      {{"solve", "seed/fixed", "--solver", "auto:"}, "'' is not of the form key=value"},
+      {{"solve", "seed/fixed", "--solver", "per-sequence:starts=2,"}, "'' is not of the form key=value"},
+      {{"solve", ""}, "PROBLEM is empty"},
+      {{"solve", "seed/fixed", "--out", ""}, "--out is empty"},
+      {{"solve", "seed/fixed", "--seed", "-1"}, "--seed -1: not a whole number in [0, 18446744073709551615]"},
+      {{"solve", "seed/fixed", "--seed", "18446744073709551616"}, "--seed 18446744073709551616: not a whole number"},
+      {{"solve", "seed/fixed", "--evaluations", "-1"}, "--evaluations -1: not a whole number"},
+      {{"solve", "seed/fixed", "--evaluations", "1e3"}, "--evaluations 1e3: not a whole number"},
+      {{"solve", "seed/fixed", "--evaluations", "9223372036854775808"}, "in [0, 9223372036854775807]"},
+      {{"solve", "seed/fixed", "--seconds", "nan"}, "--seconds nan: not a number in [0, 1e+09]"},
+      {{"solve", "seed/fixed", "--seconds", "inf"}, "--seconds inf: not a number in [0, 1e+09]"},
+      {{"solve", "seed/fixed", "--seconds", "-1"}, "--seconds -1: not a number in [0, 1e+09]"},
       {{"solve", "seed/fixed", "--fidelity", "high"}, "--fidelity"},
       {{"evaluate", "seed/fixed", folder / "broken.json"}, "broken.json"},
       {{"verify", folder / "broken.json"}, "broken.json"},

@@ -1,4 +1,4 @@
-#include "app/report.hpp"
+#include "app/report_internal.hpp"
 
 #include <fmt/format.h>
 
