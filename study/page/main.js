@@ -63,7 +63,8 @@ function start_view(world, renderer) {
     renderer.setPixelRatio(Math.min(2, devicePixelRatio || 1));
     renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
     view.resize();
-    touch();
+    // At once: a new size empties the canvas, and it would be shown empty until the next frame.
+    draw();
   };
   const draw = () => {
     for (const object of world.facing) object.quaternion.copy(view.camera.quaternion);

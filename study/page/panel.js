@@ -42,7 +42,9 @@ function fill_panel(facts, module_hue, on_module) {
 
   fill_terms(facts);
   if (facts.command) {
-    $("command").textContent = facts.command;
+    // A line may end between words only, never behind the hyphens of an option.
+    facts.command.split(" ").forEach(
+        (word, i) => $("command").append(i ? " " : "", element("span", {class: "word"}, word)));
     $("reproduce").hidden = false;
   }
 }

@@ -170,6 +170,8 @@ class World {
       triad.applyMatrix(matrix_of(target.frame));
       this.scene.add(triad);
     }
+    for (const axis of [new THREE.Vector3(1, 0, 0), new THREE.Vector3(0, 1, 0), new THREE.Vector3(0, 0, 1)])
+      for (const side of [-ring_radius, ring_radius]) this.points.push(centre.clone().addScaledVector(axis, side));
     this.labels.push({
       name: target.name || "target",
       note: target.tolerance > 0 ? `± ${length(target.tolerance)}` : "",

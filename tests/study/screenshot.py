@@ -1,7 +1,8 @@
-"""Looks at the demo page in headless Chromium: is everything drawn, and does the animation move?
+"""Looks at pages in headless Chromium: is everything drawn, and does the animation move?
 
-usage: screenshot.py WRITER FOLDER, where WRITER FILE writes the page; the pictures stay in FOLDER.
-Needs nothing but Python's standard library, hence the PNG reader.
+usage: screenshot.py demo WRITER FOLDER        the demo page, which WRITER FILE writes
+       screenshot.py solved MODSEARCH FOLDER   the page of a problem that the command line solves
+The pictures stay in FOLDER. Needs nothing but Python's standard library, hence the PNG reader.
 """
 
 import colorsys
@@ -129,23 +130,20 @@ def take(page, folder, name, size, state):
     return view_of(picture)
 
 
-def main():
-    writer, folder = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
-    folder.mkdir(parents=True, exist_ok=True)
-    page = folder / "demo.html"
-    subprocess.run([writer, str(page)], check=True)
-    faults = []
+class Checks:
+    def __init__(self):
+        self.faults = 0
 
-    def check(holds, what):
+    def __call__(self, holds, what):
         print(("ok    " if holds else "FAULT ") + what)
-        if not holds:
-            faults.append(what)
+        self.faults += not holds
 
-    shots = {}
-    for name, size, state in (("wide_start", (1400, 900), "t=0&theme=light"),
-                              ("wide_end", (1400, 900), "t=1&theme=light"),
-                              ("narrow_dark", (700, 1000), "t=1&theme=dark")):
-        shots[name] = view = take(page, folder, name, size, state)
+
+def check_drawn(check, page, folder, shots, least_pixels):
+    """Takes the pictures `shots`, (name, size, state), and looks for the kinds: pixels per million of the picture."""
+    views = {}
+    for name, size, state in shots:
+        views[name] = view = take(page, folder, name, size, state)
         colours = {pixel for row in view for pixel in row}
         check(len(colours) > 1000, f"{name}: {len(colours)} distinct colours, more than 1000")
         counts = dict.fromkeys(KINDS, 0)
@@ -156,14 +154,21 @@ def main():
                 if kinds[pixel]:
                     counts[kinds[pixel]] += 1
         area = size[0] * size[1] / 1e6
-        for kind, least in (("robot", 6000), ("obstacle", 15000), ("target", 800), ("path", 400)):
+        for kind, least in least_pixels.items():
             check(counts[kind] > least * area,
                   f"{name}: {counts[kind]} pixels of the {kind}, more than {least * area:.0f}")
 
     moved = sum(max(abs(p - q) for p, q in zip(a, b)) > 40
-                for row_a, row_b in zip(shots["wide_start"], shots["wide_end"]) for a, b in zip(row_a, row_b))
+                for row_a, row_b in zip(views["wide_start"], views["wide_end"]) for a, b in zip(row_a, row_b))
     check(moved > 10000, f"from start to end of the path {moved} pixels change, more than 10000")
 
+
+def look_at_demo(check, writer, folder):
+    page = folder / "demo.html"
+    subprocess.run([writer, str(page)], check=True)
+    shots = [("wide_start", (1400, 900), "t=0&theme=light"), ("wide_end", (1400, 900), "t=1&theme=light"),
+             ("narrow_dark", (700, 1000), "t=1&theme=dark")]
+    check_drawn(check, page, folder, shots, {"robot": 6000, "obstacle": 15000, "target": 800, "path": 400})
     probed = folder / "probed.html"
     probed.write_text(page.read_text(encoding="utf-8").replace("</body>", PROBE + "</body>"), encoding="utf-8")
     said = chromium("--dump-dom", f"{probed.as_uri()}#t=0").stdout
@@ -171,7 +176,26 @@ def main():
     check(answers is not None, "the page answers the probe")
     for answer in answers.group(1).split("; ") if answers else []:
         check(answer.endswith(": yes"), answer)
-    return 1 if faults else 0
+
+
+def look_at_solved(check, modsearch, folder):
+    out = folder / "out"
+    subprocess.run([modsearch, "solve", "seed/random_obstacles", "--instance", "0:3", "--out", str(out), "--quiet"],
+                   check=True)
+    # 500 pixels are too narrow for the legend, and it is left out.
+    shots = [("wide_start", (1400, 900), "t=0&theme=light"), ("wide_end", (1400, 900), "t=1&theme=light"),
+             ("phone_dark", (500, 900), "t=1&theme=dark")]
+    # An arm 11 cm thick and 2 m long, two spheres and a box. The target stands so high that the view, which leaves out
+    # what is behind the buttons, shows little of its ring and of the path that leads to it.
+    check_drawn(check, out / "view.html", folder, shots, {"robot": 6000, "obstacle": 15000, "target": 400, "path": 30})
+
+
+def main():
+    what, program, folder = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3]).resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    check = Checks()
+    {"demo": look_at_demo, "solved": look_at_solved}[what](check, program, folder)
+    return 1 if check.faults else 0
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 #!/bin/sh
-# screenshot.sh WRITER FOLDER: screenshot.py, or exit 77 with the reason where the machine has not what it needs.
+# screenshot.sh WHAT PROGRAM FOLDER: screenshot.py, or exit 77 with the reason where the machine has not what it needs.
 set -eu
 for program in chromium python3; do
   if ! command -v "$program" >/dev/null; then
@@ -7,4 +7,4 @@ for program in chromium python3; do
     exit 77
   fi
 done
-exec python3 "$(dirname "$0")/screenshot.py" "$1" "$2"
+exec python3 "$(dirname "$0")/screenshot.py" "$@"
