@@ -18,8 +18,8 @@ enum class ValueKind {
 /// refers to the last forward(), weights_gradient() to the last forward_taken(), and what these functions return lives
 /// until the same function is called again. Between a forward and its gradient the weights must not change.
 ///
-/// All throw std::invalid_argument for matrices of other sizes than promised, std::logic_error for a gradient without its
-/// forward.
+/// All throw std::invalid_argument for matrices of other sizes than promised, std::logic_error for a gradient without
+/// its forward.
 class ActionValues {
  public:
   struct Options {
@@ -43,7 +43,8 @@ class ActionValues {
   virtual const RowMatrixXf& parameters_gradient(const RowMatrixXf& dq) = 0;
 
   /// Q_k(s, x) [B] of one action per row only, k [B]: MP-DQN needs a single pass for it, SP-DQN a single network.
-  virtual const Eigen::VectorXf& forward_taken(const RowMatrixXf& s, const RowMatrixXf& x, const Eigen::VectorXi& k) = 0;
+  virtual const Eigen::VectorXf& forward_taken(const RowMatrixXf& s, const RowMatrixXf& x,
+                                               const Eigen::VectorXi& k) = 0;
   /// Adds dL/dw to `gradient` (the size of parameters()) for dL/dQ_k [B] at the last forward_taken().
   virtual void weights_gradient(const Eigen::VectorXf& dq, Eigen::VectorXf& gradient) = 0;
 

@@ -9,10 +9,10 @@ namespace modsearch {
 class Adam {
  public:
   struct Options {
-    float beta1 = 0.9F;      ///< of the mean of gradients. Kingma and Ba 2015, section 2
-    float beta2 = 0.999F;    ///< of the mean of squared gradients. Same place
-    float epsilon = 1e-8F;   ///< keeps the quotient finite. Same place
-    float clip = 10.0F;      ///< largest Euclidean norm of a gradient; longer ones are scaled back. Bester et al. 2019
+    double beta1 = 0.9;     ///< of the mean of gradients. Kingma and Ba 2015, section 2
+    double beta2 = 0.999;   ///< of the mean of squared gradients. Same place
+    double epsilon = 1e-8;  ///< keeps the quotient finite. Same place
+    double clip = 10.0;     ///< largest Euclidean norm of a gradient; longer ones are scaled back. Bester et al. 2019
   };
   /// Throws std::invalid_argument unless 0 <= beta1, beta2 < 1, epsilon > 0 and clip > 0.
   Adam(Eigen::Index size, Options options);
