@@ -110,13 +110,14 @@ void describe(CLI::App& app, Arguments& a) {
   add_common(list, a.common, "modsearch list solvers");
 }
 
-// CLI11 says of an unknown command only that one is required.
+// CLI11 says of an unknown command, and of none, only that one is required.
 void check_command(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return;
+  if (argc > 1 && argv[1][0] == '-') return;
   std::vector<std::string> known;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     known.push_back(command->get_name());
   }
+  if (argc < 2) throw std::invalid_argument(fmt::format("no command given: one of {}", fmt::join(known, ", ")));
   if (std::find(known.begin(), known.end(), argv[1]) != known.end()) return;
   throw std::invalid_argument(fmt::format("'{}' is not one of {}", argv[1], fmt::join(known, ", ")));
 }

@@ -401,6 +401,13 @@ TEST(BadUsage, EndsWithTwoAndOneSentence) {
   }
 }
 
+TEST(BadUsage, WithoutACommandNamesThemAll) {
+  const TemporaryFolder folder;
+  const Outcome outcome = modsearch({}, folder);
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "modsearch: no command given: one of solve, evaluate, verify, render, list\n");
+}
+
 TEST(Help, ShowsAnExampleForEverySubcommand) {
   const TemporaryFolder folder;
   for (const char* command : {"solve", "evaluate", "verify", "render", "list"}) {
