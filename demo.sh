@@ -5,6 +5,8 @@ set -euo pipefail
 # shellcheck source=setup
 source "$(dirname "$0")/setup"
 
+(($# == 0)) || { say "usage: ./demo.sh (without arguments; what it does stands at the top of it)"; exit 2; }
+
 problem=seed/fixed
 solvers=(random per-sequence:inner=ipopt per-sequence:inner=slsqp per-sequence:inner=ceres per-sequence:inner=own auto)
 answers=$build/demo

@@ -282,6 +282,13 @@ std::optional<std::string> solve_command(const std::string& problem, const Solut
 Status render(const RenderArguments& arguments, const CommonArguments& common) {
   if (arguments.out) make_folder(*arguments.out);
   LoadedSolution loaded = load_solution(arguments.solution, arguments.problem);
+  if (!loaded.claims) {
+    // Nothing to show but the design and its motion: how good they are has to be found out.
+    const Attempt given = loaded.record.evaluation.attempt;
+    loaded.record.evaluation = loaded.problem->evaluate(loaded.record.design);
+    loaded.record.evaluation.attempt.path = given.path;
+    loaded.record.evaluation.attempt.goal_waypoints = given.goal_waypoints;
+  }
   const Attempt& attempt = loaded.record.evaluation.attempt;
   const std::string problem = named_problem(arguments, loaded.record);
   const std::string page =

@@ -1,6 +1,7 @@
 #include "app/progress.hpp"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +18,13 @@ double spent_share(const Budget& budget, const Progress& progress) {
   const double by_time = std::isfinite(budget.seconds) ? progress.seconds / budget.seconds : 0.0;
   const double by_count = static_cast<double>(progress.evaluations) / static_cast<double>(budget.evaluations);
   return std::clamp(std::max(by_time, by_count), 0.0, 1.0);
+}
+
+// Characters in a line of the terminal at stderr; a usual width where it does not say.
+std::size_t terminal_width() {
+  winsize size{};
+  constexpr std::size_t kUsual = 80;
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsual;
 }
 
 std::string best_so_far(const Meter& meter) {
@@ -52,7 +60,9 @@ void ProgressDisplay::show(const Meter& meter) {
   if (terminal_) {
     constexpr int kWidth = 20;
     const int filled = static_cast<int>(std::lround(share * kWidth));
-    fmt::print(stderr, "\r\033[K[{:=<{}}{: <{}}] {}", "", filled, "", kWidth - filled, line);
+    std::string bar = fmt::format("[{:=<{}}{: <{}}] {}", "", filled, "", kWidth - filled, line);
+    bar.resize(std::min(bar.size(), terminal_width() - 1));  // what runs on into a second line could not be taken off
+    fmt::print(stderr, "\r\033[K{}", bar);
     shown_ = true;
   } else {
     fmt::print(stderr, "{}\n", line);

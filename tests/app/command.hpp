@@ -1,6 +1,7 @@
 #pragma once
 
 #include <fcntl.h>
+#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -131,6 +132,28 @@ class StuckChild {
   pid_t pid_ = -1;
   int reading_ = -1;
 };
+
+/// What a terminal of `columns` characters per line shows of a run.
+inline std::string on_terminal(const std::vector<std::string>& arguments, unsigned short columns) {
+  std::vector<char*> argv;
+  std::vector<std::string> words{MODSEARCH_COMMAND};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const winsize size{24, columns, 0, 0};
+  int terminal = -1;
+  const pid_t pid = forkpty(&terminal, nullptr, nullptr, &size);
+  if (pid == 0) {
+    execv(argv[0], argv.data());
+    _exit(127);
+  }
+  std::string seen;
+  char part[4096];
+  for (ssize_t n = 0; (n = read(terminal, part, sizeof part)) > 0;) seen.append(part, static_cast<std::size_t>(n));
+  close(terminal);
+  waitpid(pid, nullptr, 0);
+  return seen;
+}
 
 inline Outcome modsearch(const std::vector<std::string>& arguments, const TemporaryFolder& folder) {
   return Child{arguments, folder.path()}.wait();

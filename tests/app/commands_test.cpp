@@ -40,6 +40,15 @@ json far_problem() {
                  {"tolerance", {{0, 0.001}}}}}}}}}}};
 }
 
+/// A solution as CoBRA has it: design and motion, and nothing of ours about how good they are.
+json without_claims(json solution) {
+  for (const char* ours : {"modsearch", "score", "terms", "reached", "achieved", "goalError_m", "clearance_m",
+                           "postures", "verified", "solver"}) {
+    solution.erase(ours);
+  }
+  return solution;
+}
+
 TEST(Solve, WritesASolutionATraceAndAPageThatVerify) {
   const TemporaryFolder folder;
   const Outcome solved =
@@ -107,6 +116,18 @@ TEST(Solve, StopsOnCtrlCAndWritesWhatThereIs) {
   EXPECT_EQ(outcome.status, 130);
   EXPECT_EQ(json::parse(outcome.out).at("stop"), "interrupted");
   EXPECT_TRUE(std::filesystem::exists(folder / "out/solution.json"));
+}
+
+TEST(Solve, KeepsItsProgressOnOneLineOfTheTerminal) {
+  const std::string seen = testing::on_terminal({"solve", "seed/fixed", "--solver", "random", "--seconds", "0.5"}, 40);
+  std::size_t bars = 0;
+  for (std::size_t at = seen.find("\r\033[K["); at != std::string::npos; at = seen.find("\r\033[K[", at + 1)) {
+    const std::size_t begin = at + 4;  // behind what takes the last bar off
+    EXPECT_LT(seen.find('\r', begin) - begin, 40U);
+    ++bars;
+  }
+  EXPECT_GE(bars, 1U);
+  EXPECT_THAT(seen, HasSubstr("\r\033[Kproblem"));
 }
 
 TEST(Solve, HonoursABudgetOfSeconds) {
@@ -290,12 +311,7 @@ TEST(Verify, RefusesLengthsThatAreNotTrue) {
 TEST(Verify, HoldsNoClaimsAgainstAFileThatMakesNone) {
   const TemporaryFolder folder;
   ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder).status, 0);
-  json solution = json::parse(read_text(folder / "out/solution.json"));
-  for (const char* ours : {"modsearch", "score", "terms", "reached", "achieved", "goalError_m", "clearance_m",
-                           "postures", "verified", "solver"}) {
-    solution.erase(ours);
-  }
-  write(folder / "out/solution.json", solution.dump());
+  write(folder / "out/solution.json", without_claims(json::parse(read_text(folder / "out/solution.json"))).dump());
   const Outcome verified = modsearch({"verify", folder / "out/solution.json"}, folder);
   EXPECT_EQ(verified.status, 0) << verified.out << verified.err;
 }
@@ -341,6 +357,16 @@ TEST(Render, TellsHowToSolveItAgainAndWhereTargetsAreSampled) {
                               "per-sequence:inner=slsqp,starts=4 --seed 7 --evaluations " +
                               std::to_string(evaluations) + "\""));
   EXPECT_THAT(page, HasSubstr("\"region\":{\"lower\":[0.0,0.0,0.0],\"upper\":[1.0,1.0,2.0]}"));
+}
+
+TEST(Render, EvaluatesADesignOfWhichTheFileClaimsNothing) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder).status, 0);
+  write(folder / "out/solution.json", without_claims(json::parse(read_text(folder / "out/solution.json"))).dump());
+  ASSERT_EQ(modsearch({"render", folder / "out/solution.json", "--out", folder / "out"}, folder).status, 0);
+  const std::string page = read_text(folder / "out/view.html");
+  EXPECT_THAT(page, HasSubstr("\"achieved\":true"));
+  EXPECT_THAT(page, HasSubstr("\"score\":341.9148"));
 }
 
 TEST(Render, EndsAtTheFirstCtrlC) {
