@@ -94,10 +94,11 @@ class Labels {
       const x = ((seen.x + 1) / 2) * width, y = ((1 - seen.y) / 2) * height;
       const away = (label.radius * scale) / camera.position.distanceTo(label.position) + 9;
       const box = [node.offsetWidth, node.offsetHeight];
-      // Beside the ring, or above it where the view ends.
+      // Beside the ring, or above it where the view ends, or below it where the buttons are.
       const beside = x + away + box[0] <= width - 6;
       const left = beside ? x + away : Math.min(x - box[0] / 2, width - box[0] - 6);
-      const top = beside ? y - box[1] / 2 : y - away - box[1];
+      const above = y - away - box[1];
+      const top = beside ? y - box[1] / 2 : above < kMargins.top ? y + away : above;
       node.style.transform = `translate(${Math.round(left)}px, ${Math.round(top)}px)`;
     }
   }
