@@ -30,9 +30,11 @@ DesignEnvironmentOptions with_region(DesignEnvironmentOptions options, const Pro
 DesignEnvironment::DesignEnvironment(ProblemSource source, DesignEnvironmentOptions options)
     : source_{checked(std::move(source))},
       options_{std::move(options)},
-      problem_{drawn(seed_)},
+      problem_{drawn(0)},
+      family_{std::dynamic_pointer_cast<const RobotProblem>(problem_)},
       space_{space_of(problem_->library())},
       encoder_{options_.encoder, *problem_},
+      targets_{targets(*problem_)},
       instance_{encoder_.instance(*problem_)} {
   if (mask_after(*problem_, design_) == 0) {
     throw std::invalid_argument(fmt::format("problem '{}': no module may be placed (at most {} with the base)",
@@ -96,14 +98,13 @@ bool DesignEnvironment::ends(const Evaluation& evaluation) const {
 
 Environment::View DesignEnvironment::do_reset(Rng rng) {
   // All that may throw comes first: a failed reset leaves no half of a new episode behind.
-  const std::uint64_t seed = rng.bits();
-  std::shared_ptr<const DesignProblem> problem = drawn(seed);
+  std::shared_ptr<const DesignProblem> problem = drawn(rng.bits());
   Eigen::VectorXf instance = encoder_.instance(*problem);
   View first{encoder_.encode(problem->library(), {}, instance), mask_after(*problem, {})};
   if (first.mask == 0)
     throw std::invalid_argument(fmt::format("problem '{}': no module may be placed", problem->name()));
 
-  seed_ = seed;
+  if (problem != problem_) targets_ = targets(*problem);
   problem_ = std::move(problem);
   instance_ = std::move(instance);
   design_.modules.clear();
@@ -143,6 +144,25 @@ Step DesignEnvironment::do_step(int k, std::span<const float> x_k, View& next) {
   step.terminated = step.success = ends(*evaluation_);
   step.truncated = !step.terminated && next.mask == 0;
   return step;
+}
+
+std::optional<std::vector<DesignModel::Target>> DesignEnvironment::targets(const DesignProblem& problem) const {
+  const auto* robot = dynamic_cast<const RobotProblem*>(&problem);
+  if (robot == nullptr || family_ == nullptr || robot->spec().library != family_->spec().library ||
+      robot->spec().X_WB.matrix() != family_->spec().X_WB.matrix()) {
+    return std::nullopt;
+  }
+  return DesignModel::targets_of(*robot);
+}
+
+std::shared_ptr<const ActionModel> DesignEnvironment::model() const {
+  if (!targets_) return nullptr;
+  return std::make_shared<const DesignModel>(family_, *targets_, design_, options_.model_joints);
+}
+
+std::shared_ptr<const ActionModel> DesignEnvironment::restore_model(std::span<const double> key) const {
+  if (!family_) return Environment::restore_model(key);
+  return DesignModel::restore(family_, key, options_.model_joints);
 }
 
 std::optional<double> DesignEnvironment::preview(int k, std::span<const float> x_k) const {

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <modsearch/problem/problem_source.hpp>
+#include <modsearch/rl/design_model.hpp>
 #include <modsearch/rl/environment.hpp>
 #include <modsearch/rl/observation_encoder.hpp>
 #include <optional>
@@ -64,6 +65,10 @@ class DesignEnvironment final : public Environment {
   [[nodiscard]] const HybridSpace& space() const override { return space_; }
   [[nodiscard]] int observation_size() const override { return encoder_.size(); }
   [[nodiscard]] std::unique_ptr<Environment> clone() const override;
+  /// Null for problems that are no robot problems, that have goals other than balls, or another library or base pose
+  /// than the first of their family.
+  [[nodiscard]] std::shared_ptr<const ActionModel> model() const override;
+  [[nodiscard]] std::shared_ptr<const ActionModel> restore_model(std::span<const double> key) const override;
   [[nodiscard]] std::optional<double> preview(int k, std::span<const float> x_k) const override;
   /// Work of the evaluations, previews included.
   [[nodiscard]] Work work() const override { return work_; }
@@ -76,6 +81,7 @@ class DesignEnvironment final : public Environment {
   [[nodiscard]] Placement placement(int k, std::span<const float> x_k) const;
   [[nodiscard]] std::optional<Evaluation> evaluated(const DesignProblem& problem, const Design& design) const;
   [[nodiscard]] ActionMask mask_after(const DesignProblem& problem, const Design& design) const;
+  [[nodiscard]] std::optional<std::vector<DesignModel::Target>> targets(const DesignProblem& problem) const;
   [[nodiscard]] bool ends(const Evaluation& evaluation) const;
   /// What the reward of a placement is counted from: 0, or the score of design_; nothing if that evaluation is refused.
   [[nodiscard]] std::optional<double> paid_before() const;
@@ -84,11 +90,13 @@ class DesignEnvironment final : public Environment {
   DesignEnvironmentOptions options_;
   Evaluate evaluate_;
   std::shared_ptr<const DesignProblem> problem_;
+  std::shared_ptr<const RobotProblem>
+      family_;  // the first problem, whose chains the models use; null: no robot problem
   HybridSpace space_;
   ObservationEncoder encoder_;
 
-  std::uint64_t seed_ = 0;    // of the stream that problem_ was drawn with
-  Eigen::VectorXf instance_;  // the encoder's, of problem_
+  std::optional<std::vector<DesignModel::Target>> targets_;  // of problem_; nothing: it has no models
+  Eigen::VectorXf instance_;                                 // the encoder's, of problem_
   Design design_;
   std::optional<Evaluation> evaluation_;
   mutable std::optional<double> score_;  // of design_; of the empty one only once it was needed
