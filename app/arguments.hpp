@@ -28,6 +28,15 @@ struct SolveArguments {
   std::optional<std::filesystem::path> out;
 };
 
+struct TrainArguments {
+  std::string problem;
+  std::string agent = "mpdqn";
+  std::optional<std::int64_t> episodes;
+  std::uint64_t seed = 0;
+  bool resume = false;
+  std::optional<std::filesystem::path> out;
+};
+
 struct EvaluateArguments {
   std::string problem;
   std::string design;

@@ -1,17 +1,15 @@
 #include "app/commands.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <exception>
 #include <limits>
+#include <modsearch/rl/settings.hpp>
 #include <modsearch/solvers/verification.hpp>
 
+#include "app/output_internal.hpp"
 #include "app/page_of_solution.hpp"
 #include "app/progress.hpp"
 #include "app/report_internal.hpp"
@@ -19,35 +17,6 @@
 
 namespace modsearch::app {
 namespace {
-
-[[noreturn]] void refuse_output() {
-  throw FileError(fmt::format("the standard output cannot be written: {}", std::strerror(errno)));
-}
-
-void write_out(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) refuse_output();
-}
-
-template <typename... Values>
-void say(fmt::format_string<Values...> format, Values&&... values) {
-  write_out(fmt::format(format, std::forward<Values>(values)...));
-}
-
-void print(const nlohmann::ordered_json& json) {
-  // What came from outside, such as the name of a file, need not be UTF-8.
-  write_out(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
-}
-
-bool is_builtin(const std::string& problem) {
-  const std::vector<std::string> builtin = builtin_problems();
-  return std::find(builtin.begin(), builtin.end(), problem) != builtin.end();
-}
-
-// A relative problem in a solution file is relative to that file; IDs of built-in problems stay as they are.
-std::string problem_reference(const std::string& problem, const std::filesystem::path& folder) {
-  if (is_builtin(problem)) return problem;
-  return std::filesystem::relative(std::filesystem::absolute(problem), std::filesystem::absolute(folder)).string();
-}
 
 // A problem with the instance of it that was asked for.
 struct ChosenProblem {
@@ -84,17 +53,6 @@ std::optional<Eigen::Vector3d> sampled_target(const ProblemFile& file, const Rob
     if (goal.id == file.sampling->goal) return goal.position();
   }
   return std::nullopt;
-}
-
-void make_folder(const std::filesystem::path& folder) {
-  if (folder.empty()) throw std::invalid_argument("--out is empty: not the name of a folder");
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw FileError(fmt::format("{}: cannot make this folder: {}", folder.string(), error.message()));
-  // Before the search, not after it.
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw FileError(fmt::format("{}: cannot write into this folder: {}", folder.string(), std::strerror(errno)));
-  }
 }
 
 constexpr std::string_view kNothingEvaluated = "nothing was evaluated";
@@ -337,7 +295,20 @@ Status list(const ListArguments& arguments, const CommonArguments& common) {
                       {"maxModules", file.spec.max_modules}});
     }
   } else {
-    text = "(no agents in this version)\n";
+    const LearnerSettings defaults = settings_of(AgentKind::kMpdqn, Preset::kReport);
+    nlohmann::ordered_json options = nlohmann::ordered_json::array();
+    std::string option_text =
+        fmt::format("    {:<30}{:<12}{}\n", "preset", "report", "settings to begin with (report|report-code|best)");
+    for (const Setting& setting : setting_table()) {
+      const std::string value = setting.get(defaults);
+      options.push_back({{"key", setting.key}, {"default", value}, {"meaning", setting.meaning}});
+      option_text += fmt::format("    {:<30}{:<12}{}\n", setting.key, value, setting.meaning);
+    }
+    for (const AgentKind kind : agent_kinds()) {
+      text += fmt::format("{:<12}{}\n", name(kind), meaning(kind));
+      json.push_back({{"name", name(kind)}, {"meaning", meaning(kind)}, {"options", options}});
+    }
+    text += "options of all agents, with their defaults for mpdqn:preset=report\n" + option_text;
   }
   if (common.json) {
     print(json);
@@ -345,10 +316,6 @@ Status list(const ListArguments& arguments, const CommonArguments& common) {
     write_out(text);
   }
   return Status::kSuccess;
-}
-
-void flush_output() {
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) refuse_output();
 }
 
 }  // namespace modsearch::app

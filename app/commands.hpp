@@ -8,16 +8,17 @@ namespace modsearch::app {
 
 /// Exit statuses of the program.
 enum class Status {
-  kSuccess = 0,    ///< solved, verified, listed
-  kNegative = 1,   ///< not achieved, not verified
-  kBadInput = 2,   ///< bad file or usage
-  kFailure = 3,    ///< an internal failure
+  kSuccess = 0,   ///< solved, verified, listed
+  kNegative = 1,  ///< not achieved, not verified
+  kBadInput = 2,  ///< bad file or usage
+  kFailure = 3,   ///< an internal failure
   kInterrupted = 130,
 };
 
 /// Each command writes its result to stdout and everything else to stderr, and throws for bad input: FileError or
 /// std::invalid_argument.
 [[nodiscard]] Status solve(const SolveArguments& arguments, const CommonArguments& common, std::stop_token stop);
+[[nodiscard]] Status train(const TrainArguments& arguments, const CommonArguments& common, std::stop_token stop);
 [[nodiscard]] Status evaluate(const EvaluateArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status verify_solution(const VerifyArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status render(const RenderArguments& arguments, const CommonArguments& common);

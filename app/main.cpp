@@ -27,6 +27,7 @@ std::string typed(int argc, char** argv) {
 struct Arguments {
   CommonArguments common;
   SolveArguments solve;
+  TrainArguments train;
   EvaluateArguments evaluate;
   VerifyArguments verify;
   RenderArguments render;
@@ -43,6 +44,17 @@ void add_instance(CLI::App& command, std::optional<Instance>& instance) {
   command.add_option_function<std::string>(
       "--instance", [&](const std::string& text) { instance = parse_instance(text); },
       "SEED:INDEX of a sampled problem (default 0:0)");
+}
+
+void add_seed(CLI::App& command, std::uint64_t& seed, const std::string& meaning) {
+  command
+      .add_option_function<std::string>(
+          "--seed",
+          [&](const std::string& text) {
+            seed = parse_whole_number("--seed", text, std::numeric_limits<std::uint64_t>::max());
+          },
+          meaning)
+      ->type_name("N");
 }
 
 void describe(CLI::App& app, Arguments& a) {
@@ -70,14 +82,7 @@ void describe(CLI::App& app, Arguments& a) {
           "--seconds", [&](const std::string& text) { a.solve.seconds = parse_seconds(text); },
           "at most this long [s]; 30 without --evaluations")
       ->type_name("S");
-  solve
-      .add_option_function<std::string>(
-          "--seed",
-          [&](const std::string& text) {
-            a.solve.seed = parse_whole_number("--seed", text, std::numeric_limits<std::uint64_t>::max());
-          },
-          "of the solver's random numbers (default 0)")
-      ->type_name("N");
+  add_seed(solve, a.solve.seed, "of the solver's random numbers (default 0)");
   solve
       .add_option_function<std::string>(
           "--fidelity", [&](const std::string&) { a.solve.at_path_level = true; },
@@ -85,6 +90,25 @@ void describe(CLI::App& app, Arguments& a) {
       ->check(CLI::IsMember({"path"}));
   solve.add_option("--out", a.solve.out, "folder for solution.json, trace.csv and view.html");
   add_common(solve, a.common, "modsearch solve seed/fixed --solver per-sequence:inner=ipopt --out out/");
+
+  CLI::App& train = *app.add_subcommand("train", "train an agent on a problem, or on the instances of a sampled one");
+  train.add_option("PROBLEM", a.train.problem, "problem file, or the ID of a built-in one")->required();
+  train.add_option("--agent", a.train.agent, "NAME[:key=value,...], see `modsearch list agents`")
+      ->capture_default_str();
+  train
+      .add_option_function<std::string>(
+          "--episodes",
+          [&](const std::string& text) {
+            constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+            a.train.episodes = static_cast<std::int64_t>(parse_whole_number("--episodes", text, kMost));
+          },
+          "training episodes at most, instead of the preset's")
+      ->type_name("N");
+  add_seed(train, a.train.seed, "of weights, exploration and instances (default 0)");
+  train.add_flag("--resume", a.train.resume, "go on from the checkpoint in --out");
+  train.add_option("--out", a.train.out,
+                   "folder for policy.json with its weights, training.csv, TensorBoard events, checkpoint.bin");
+  add_common(train, a.common, "modsearch train seed/fixed --agent mpdqn:preset=best --out out/");
 
   CLI::App& evaluate = *app.add_subcommand("evaluate", "score a given design, term by term");
   evaluate.add_option("PROBLEM", a.evaluate.problem, "problem file or ID")->required();
@@ -125,6 +149,7 @@ void check_command(const CLI::App& app, int argc, char** argv) {
 Status run(const CLI::App& app, const Arguments& a) {
   // Only a search can be asked to stop and still has something to say; everything else Ctrl-C simply ends.
   if (app.got_subcommand("solve")) return solve(a.solve, a.common, stop_on_interrupt());
+  if (app.got_subcommand("train")) return train(a.train, a.common, stop_on_interrupt());
   if (app.got_subcommand("evaluate")) return evaluate(a.evaluate, a.common);
   if (app.got_subcommand("verify")) return verify_solution(a.verify, a.common);
   if (app.got_subcommand("render")) return render(a.render, a.common);

@@ -8,7 +8,10 @@
 #include <modsearch/baselines/auto_solver.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/baselines/random_search.hpp>
+#include <modsearch/rl/saved_policy.hpp>
 #include <stdexcept>
+
+#include "app/name_and_options.hpp"
 
 namespace modsearch::app {
 namespace {
@@ -53,10 +56,10 @@ std::vector<SolverEntry> make_entries() {
                      "the default: bounds first, then per-sequence optimisation with the fastest inner method",
                      {},
                      [](const OptionValues&) { return std::make_unique<AutoSolver>(); }});
-  entries.push_back({"random",
-                     "uniform over number of modules, types and parameters: the bar to clear",
-                     {},
-                     [](const OptionValues&) { return std::make_unique<RandomSearch>(); }});
+  entries.push_back(
+      {"random", "uniform over number of modules, types and parameters: the bar to clear", {}, [](const OptionValues&) {
+         return std::make_unique<RandomSearch>();
+       }});
   entries.push_back({"per-sequence",
                      "type sequences in order of an optimistic bound, each solved as a smooth program",
                      {{"inner", std::string{name(defaults.inner)}, inner_names()},
@@ -67,10 +70,12 @@ std::vector<SolverEntry> make_entries() {
 
 const SolverEntry& entry_named(const std::string& name) {
   const std::vector<SolverEntry>& entries = solver_entries();
-  const auto found = std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.name == name; });
+  const auto found =
+      std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.name == name; });
   if (found != entries.end()) return *found;
   std::vector<std::string> known;
   for (const SolverEntry& entry : entries) known.push_back(entry.name);
+  known.push_back("policy:FILE");
   throw std::invalid_argument(fmt::format("solver '{}' is not one of {}", name, fmt::join(known, ", ")));
 }
 
@@ -82,38 +87,28 @@ const std::vector<SolverEntry>& solver_entries() {
 }
 
 ChosenSolver choose_solver(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  ChosenSolver chosen;
-  chosen.name = text.substr(0, colon);
-  const SolverEntry& entry = entry_named(chosen.name);
+  constexpr std::string_view kPolicy = "policy:";
+  if (text.starts_with(kPolicy)) {
+    const std::string file = text.substr(kPolicy.size());
+    return {load_trained_policy(file), "policy", {{"file", file}}};
+  }
+  const NameAndOptions parsed = parse_name_and_options(text, "solver");
+  const SolverEntry& entry = entry_named(parsed.name);
   OptionValues values;
-  std::size_t at = colon == std::string::npos ? text.size() + 1 : colon + 1;
-  while (at <= text.size()) {
-    const std::size_t comma = std::min(text.find(',', at), text.size());
-    const std::string pair = text.substr(at, comma - at);
-    const std::size_t equals = pair.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw std::invalid_argument(fmt::format("solver option '{}' is not of the form key=value", pair));
-    }
-    const std::string key = pair.substr(0, equals);
+  for (const auto& [key, value] : parsed.options) {
     const bool known = std::any_of(entry.options.begin(), entry.options.end(),
-                                   [&](const OptionEntry& option) { return option.key == key; });
+                                   [&key = key](const OptionEntry& option) { return option.key == key; });
     if (!known) {
       std::vector<std::string> keys;
       for (const OptionEntry& option : entry.options) keys.push_back(option.key);
-      throw std::invalid_argument(keys.empty()
-                                      ? fmt::format("solver '{}' has no option '{}' (it has none)", chosen.name, key)
-                                      : fmt::format("solver '{}' has no option '{}', only {}", chosen.name, key,
-                                                    fmt::join(keys, ", ")));
+      throw std::invalid_argument(
+          keys.empty()
+              ? fmt::format("solver '{}' has no option '{}' (it has none)", parsed.name, key)
+              : fmt::format("solver '{}' has no option '{}', only {}", parsed.name, key, fmt::join(keys, ", ")));
     }
-    if (!values.emplace(key, pair.substr(equals + 1)).second) {
-      throw std::invalid_argument(fmt::format("solver option '{}' is given twice", key));
-    }
-    chosen.options.emplace_back(key, pair.substr(equals + 1));
-    at = comma + 1;
+    values.emplace(key, value);
   }
-  chosen.solver = entry.make(values);
-  return chosen;
+  return {entry.make(values), parsed.name, parsed.options};
 }
 
 }  // namespace modsearch::app

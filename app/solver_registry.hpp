@@ -37,8 +37,9 @@ struct ChosenSolver {
   std::vector<std::pair<std::string, std::string>> options;  ///< as given
 };
 
-/// From "name" or "name:key=value,key=value".
-/// Throws std::invalid_argument (what is unknown, what is known) for anything else.
+/// From "name", "name:key=value,key=value" or "policy:FILE".
+/// Throws std::invalid_argument (what is unknown, what is known) for anything else, FileError
+/// for a policy that cannot be used.
 [[nodiscard]] ChosenSolver choose_solver(const std::string& text);
 
 }  // namespace modsearch::app

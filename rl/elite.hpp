@@ -17,8 +17,9 @@ class Elite {
   /// Fills rows of `batch`: an episode uniformly, then one of its experiences.
   void sample(Rng& rng, int first, int count, Batch& batch) const;
 
+  /// As Replay::save and Replay::load.
   void save(const std::string& prefix, Archive& archive) const;
-  void load(const std::string& prefix, const Archive& archive, const Environment& environment);
+  void load(const std::string& prefix, const Archive& archive, const Environment& environment, int memory_size);
 
  private:
   struct Episode {

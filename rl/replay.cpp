@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <modsearch/rl/model_archive_internal.hpp>
 #include <modsearch/rl/replay.hpp>
 #include <stdexcept>
 
@@ -12,6 +13,10 @@ void put_row(std::vector<float>& table, std::size_t at, const Eigen::VectorXf& r
   const auto n = static_cast<std::size_t>(row.size());
   if (at * n == table.size()) table.resize(table.size() + n);
   std::copy(row.begin(), row.end(), table.begin() + static_cast<std::ptrdiff_t>(at * n));
+}
+
+Eigen::Map<const Eigen::RowVectorXf> row_of(const std::vector<float>& table, std::size_t at, int n) {
+  return {table.data() + at * static_cast<std::size_t>(n), n};
 }
 
 template <typename T>
@@ -57,11 +62,23 @@ void Replay::add(const Experience& experience) {
   put(k_, at, static_cast<std::int32_t>(experience.k));
 }
 
+Experience Replay::experience(std::int64_t i) const {
+  const auto at = static_cast<std::size_t>(i);
+  Experience result;
+  result.k = k_.at(at);
+  result.s = row_of(s_, at, observation_size_).transpose();
+  result.memory = row_of(memory_, at, memory_size_).transpose();
+  result.reward = reward_[at];
+  result.discount = discount_[at];
+  result.remaining = remaining_[at];
+  result.s_next = row_of(s_next_, at, observation_size_).transpose();
+  result.next_mask = next_mask_[at];
+  result.model = model_[at];
+  return result;
+}
+
 void Replay::sample(Rng& rng, int first, int count, Batch& batch) const {
   if (k_.empty()) throw std::logic_error("replay: nothing to sample from");
-  const auto row_of = [](const std::vector<float>& table, std::size_t at, int n) {
-    return Eigen::Map<const Eigen::RowVectorXf>(table.data() + at * static_cast<std::size_t>(n), n);
-  };
   for (int row = first; row < first + count; ++row) {
     const auto at = static_cast<std::size_t>(rng.index(static_cast<int>(size())));
     batch.s.row(row) = row_of(s_, at, observation_size_);
@@ -74,6 +91,50 @@ void Replay::sample(Rng& rng, int first, int count, Batch& batch) const {
     batch.next_mask[static_cast<std::size_t>(row)] = next_mask_[at];
     batch.model[static_cast<std::size_t>(row)] = model_[at].get();
   }
+}
+
+void Replay::save(const std::string& prefix, Archive& archive) const {
+  archive.put_integer(prefix + ".next", next_);
+  archive.put(prefix + ".s", s_);
+  archive.put(prefix + ".s_next", s_next_);
+  archive.put(prefix + ".memory", memory_);
+  archive.put(prefix + ".reward", reward_);
+  archive.put(prefix + ".discount", discount_);
+  archive.put(prefix + ".remaining", remaining_);
+  archive.put(prefix + ".k", std::vector<std::int64_t>(k_.begin(), k_.end()));
+  archive.put(prefix + ".next_mask", next_mask_);
+  detail::put_models(archive, prefix + ".model", model_);
+}
+
+void Replay::load(const std::string& prefix, const Archive& archive, const Environment& environment) {
+  const std::vector<std::int64_t> k = archive.integers(prefix + ".k");
+  const std::size_t n = k.size();
+  if (n > static_cast<std::size_t>(capacity_)) {
+    archive.fail(prefix + ".k", fmt::format("{} experiences, at most {}", n, capacity_));
+  }
+  const auto floats = [&](const char* name, int width) {
+    std::vector<float> values = archive.floats(prefix + name);
+    if (values.size() != n * static_cast<std::size_t>(width)) {
+      archive.fail(prefix + name, fmt::format("{} numbers, {} x {} are needed", values.size(), n, width));
+    }
+    return values;
+  };
+  s_ = floats(".s", observation_size_);
+  s_next_ = floats(".s_next", observation_size_);
+  memory_ = floats(".memory", memory_size_);
+  reward_ = floats(".reward", 1);
+  discount_ = floats(".discount", 1);
+  remaining_ = floats(".remaining", 1);
+  next_mask_ = archive.unsigned_integers(prefix + ".next_mask");
+  if (next_mask_.size() != n) archive.fail(prefix + ".next_mask", fmt::format("not {} numbers", n));
+  const int n_actions = environment.space().n_actions();
+  for (const std::int64_t action : k) {
+    if (action < 0 || action >= n_actions) archive.fail(prefix + ".k", fmt::format("{}: no such action", action));
+  }
+  k_.assign(k.begin(), k.end());
+  model_ = detail::get_models(archive, prefix + ".model", n, environment);
+  next_ = archive.integer(prefix + ".next");
+  if (next_ < 0 || next_ >= capacity_) archive.fail(prefix + ".next", fmt::format("{}: not in the ring", next_));
 }
 
 }  // namespace modsearch

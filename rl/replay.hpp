@@ -31,6 +31,8 @@ class Replay {
 
   void add(const Experience& experience);
   [[nodiscard]] std::int64_t size() const { return static_cast<std::int64_t>(k_.size()); }
+  /// Number `i` in the ring's memory. Throws std::out_of_range unless 0 <= i < size().
+  [[nodiscard]] Experience experience(std::int64_t i) const;
   /// Fills rows first .. first + count - 1 of `batch`. Throws std::logic_error if the replay is empty.
   void sample(Rng& rng, int first, int count, Batch& batch) const;
 

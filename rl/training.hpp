@@ -94,7 +94,7 @@ class Trainer {
   [[nodiscard]] std::int64_t steps() const { return steps_; }
   [[nodiscard]] std::int64_t updates() const { return updates_; }
   [[nodiscard]] double seconds() const { return seconds_; }
-  [[nodiscard]] const Work& work() const { return work_; }  ///< of polish and model gradients
+  [[nodiscard]] const Work& work() const { return work_; }  ///< of polish and model gradients, in this run
   [[nodiscard]] Agent& agent() { return agent_; }
 
   /// Everything that a later run needs, between two episodes.

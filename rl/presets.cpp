@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <array>
+#include <modsearch/rl/settings.hpp>
+
+namespace modsearch {
+namespace {
+
+constexpr std::array kPresets{Preset::kReport, Preset::kReportCode, Preset::kBest};
+
+// The report's text; where it is silent, its code. Its environment: 36 unscaled numbers, the score paid at each
+// placement.
+LearnerSettings report(AgentKind kind) {
+  LearnerSettings s;
+  s.kind = kind;
+  s.environment.encoder.kind = EncoderKind::kSeed36;
+  s.agent.passthrough_bias_deviation = 2.0;  // N(1, 1) in metres, mapped from [0.5, 1.5]
+  if (kind == AgentKind::kPaddpg) {
+    s.agent.gamma = 0.9;
+    s.agent.value_rate = 1e-4;
+    s.agent.actor_rate = 1e-3;
+    s.agent.value_tau = 0.001;
+    s.agent.actor_tau = 0.01;
+    s.agent.leak = 0.01;
+    s.agent.value_output_deviation = 0.01;
+    s.agent.actor_output_deviation = 0.01;
+    s.agent.passthrough_bias_deviation = 0.0;
+  }
+  return s;
+}
+
+// Its published code, with the faults that bear on learning.
+LearnerSettings report_code(AgentKind kind) {
+  LearnerSettings s = report(kind);
+  s.training.patience = 0;
+  s.training.returns.truncation_ends = true;
+  if (kind == AgentKind::kPaddpg) {
+    s.training.returns.legacy_terminals = true;
+  } else {
+    s.agent.actor_hidden = {128};
+    s.training.batch = 256;
+    s.training.warm_up = 256;
+    s.training.replay = 100'000;
+  }
+  return s;
+}
+
+// What came out best in our own trials (docs/agents.md): polish while training and acting, rewards scaled so that the
+// mass still shows beside the bonus for reaching, learning rates that fall.
+LearnerSettings best(AgentKind kind, const ProblemTraits& traits) {
+  LearnerSettings s;
+  s.kind = kind;
+  s.agent.actor_rate = 1e-3;
+  s.agent.invert_bound = 1.1;
+  s.training.returns.reward_scale = 0.1;
+  s.training.replay = 100'000;
+  s.training.patience = 0;
+  s.training.keep_best = true;
+  s.training.acting.polish = 3;
+  s.training.episodes = traits.obstacles ? 16'000 : traits.sampled ? 6000 : 600;
+  s.training.exploration.epsilon_episodes = traits.sampled ? 1000 : 100;
+  s.training.evaluate_every = traits.sampled ? 300 : 30;
+  s.training.evaluation_episodes = traits.sampled ? 100 : 1;
+  s.training.decay_from = 0.3;
+  s.training.decay_to = 0.01;
+  if (traits.obstacles) {
+    s.agent.value_hidden = {256};
+    s.training.exploration.last_epsilon = 0.1;
+    s.training.exploration.noise = NoiseKind::kGaussian;
+    s.training.exploration.deviation = 0.3;
+  }
+  return s;
+}
+
+}  // namespace
+
+std::string_view name(Preset preset) {
+  switch (preset) {
+    case Preset::kReport:
+      return "report";
+    case Preset::kReportCode:
+      return "report-code";
+    case Preset::kBest:
+      return "best";
+  }
+  return "";
+}
+
+std::optional<Preset> preset_from_name(std::string_view text) {
+  const auto found = std::find_if(kPresets.begin(), kPresets.end(), [&](Preset p) { return name(p) == text; });
+  return found == kPresets.end() ? std::nullopt : std::optional{*found};
+}
+
+LearnerSettings settings_of(AgentKind kind, Preset preset, const ProblemTraits& traits) {
+  switch (preset) {
+    case Preset::kReport:
+      return report(kind);
+    case Preset::kReportCode:
+      return report_code(kind);
+    case Preset::kBest:
+      return best(kind, traits);
+  }
+  return {};
+}
+
+}  // namespace modsearch
