@@ -4,6 +4,7 @@
 #include <cmath>
 #include <modsearch/problem/robot_problem.hpp>
 #include <modsearch/rl/design_environment.hpp>
+#include <numbers>
 #include <stdexcept>
 
 namespace modsearch {
@@ -23,6 +24,28 @@ ProblemSource checked(ProblemSource source) {
 DesignEnvironmentOptions with_region(DesignEnvironmentOptions options, const ProblemFile& file) {
   if (!options.hindsight_region) options.hindsight_region = file.sampling;
   return options;
+}
+
+// The same problem with its only goal elsewhere.
+RobotProblem with_goal_at(const RobotProblem& problem, const Eigen::Vector3d& p_W) {
+  RobotProblemSpec spec = problem.spec();
+  Goal goal = spec.task->goals().front();
+  Eigen::Isometry3d X_WN = goal.region.nominal();
+  X_WN.translation() = p_W;
+  goal.region = PoseRegion{X_WN, goal.region.tolerances()};
+  spec.task =
+      std::make_shared<const GoalTask>(std::string{spec.task->name()}, std::vector{std::move(goal)}, spec.task->home());
+  return RobotProblem{std::move(spec)};
+}
+
+Eigen::VectorXd random_posture(const Chain& chain, Rng& rng) {
+  Eigen::VectorXd q(chain.n_joints());
+  for (int j = 0; j < chain.n_joints(); ++j) {
+    const Joint& joint = chain.joints()[static_cast<std::size_t>(j)];
+    const bool limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+    q[j] = limited ? rng.uniform(joint.lower, joint.upper) : rng.uniform(-std::numbers::pi, std::numbers::pi);
+  }
+  return chain.clamped(q);
 }
 
 }  // namespace
@@ -172,6 +195,71 @@ std::optional<double> DesignEnvironment::preview(int k, std::span<const float> x
   design.modules.push_back(placement(k, x_k));
   const std::optional<Evaluation> evaluation = evaluated(*problem_, design);
   return evaluation ? std::optional{evaluation->score - *before} : std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> DesignEnvironment::hindsight_target(const RobotProblem& problem, Rng& rng) const {
+  const Chain& chain = problem.chain(design_.types());
+  const Eigen::Vector3d p_W = chain.at(design_.parameters()).forward(random_posture(chain, rng)).tip.translation();
+  if (const std::optional<Sampling>& region = options_.hindsight_region) {
+    const bool inside = (p_W.array() >= region->lower.array()).all() && (p_W.array() <= region->upper.array()).all();
+    if (!inside || problem.scene().clearance(p_W) < region->min_clearance) return std::nullopt;
+  }
+  return p_W;
+}
+
+std::optional<Transition> DesignEnvironment::relabelled(const RobotProblem& problem, const Eigen::Vector3d& p_W) const {
+  const RobotProblem other = with_goal_at(problem, p_W);
+  const Design before = design_.prefix(static_cast<int>(design_.modules.size()) - 1);
+  const Placement& placed = design_.modules.back();
+  const auto evaluate = [&](const Design& design) {
+    Evaluation evaluation = other.evaluate(design, options_.fidelity);
+    work_ += evaluation.attempt.work;
+    return evaluation;
+  };
+  double paid = 0.0;
+  if (options_.reward == RewardKind::kDifference || !before.modules.empty()) {
+    const Evaluation evaluation = evaluate(before);
+    if (!before.modules.empty() && ends(evaluation)) return std::nullopt;  // the episode would have ended there
+    if (options_.reward == RewardKind::kDifference) paid = evaluation.score;
+  }
+  const Evaluation evaluation = evaluate(design_);
+  if (!std::isfinite(evaluation.score - paid)) return std::nullopt;
+
+  Transition transition;
+  const Eigen::VectorXf instance = encoder_.instance(other);
+  transition.s = encoder_.encode(other.library(), before, instance);
+  transition.s_next = encoder_.encode(other.library(), design_, instance);
+  transition.action = {placed.type, Eigen::VectorXf::Zero(space_.n_parameters()), {}};
+  for (int p = 0; p < space_.count(placed.type); ++p) {
+    const ParameterRange& range = other.library().type(placed.type).parameters[static_cast<std::size_t>(p)];
+    transition.action.x[space_.offset(placed.type) + p] = static_cast<float>(to_unit(range, placed.parameters[p]));
+  }
+  transition.reward = static_cast<float>(evaluation.score - paid);
+  transition.next_mask = mask_after(other, design_);
+  transition.terminated = ends(evaluation);
+  transition.truncated = !transition.terminated && transition.next_mask == 0;
+  transition.model = std::make_shared<const DesignModel>(
+      family_, std::vector{DesignModel::Target{p_W, targets_->front().tolerance}}, before, options_.model_joints);
+  return transition;
+}
+
+std::vector<Transition> DesignEnvironment::hindsight(int n, Rng& rng) const {
+  constexpr int kMostPostures = 16;
+  if (n <= 0 || !evaluation_ || !targets_ || targets_->size() != 1) return {};
+  const auto& problem = dynamic_cast<const RobotProblem&>(*problem_);
+  if (dynamic_cast<const GoalTask*>(&problem.task()) == nullptr)
+    return {};  // more than its goals may depend on the goal
+  std::vector<Transition> result;
+  for (int i = 0; i < n; ++i) {
+    std::optional<Transition> transition;
+    for (int posture = 0; posture < kMostPostures && !transition; ++posture) {
+      if (const std::optional<Eigen::Vector3d> target = hindsight_target(problem, rng)) {
+        transition = relabelled(problem, *target);
+      }
+    }
+    if (transition) result.push_back(*std::move(transition));
+  }
+  return result;
 }
 
 }  // namespace modsearch

@@ -70,7 +70,12 @@ class DesignEnvironment final : public Environment {
   [[nodiscard]] std::shared_ptr<const ActionModel> model() const override;
   [[nodiscard]] std::shared_ptr<const ActionModel> restore_model(std::span<const double> key) const override;
   [[nodiscard]] std::optional<double> preview(int k, std::span<const float> x_k) const override;
-  /// Work of the evaluations, previews included.
+  /// The last placement in tasks whose goal lies where a random posture of the design puts the tip, within
+  /// `hindsight_region`, and not where the design before it ends already; at most 16 postures are tried for each. Only
+  /// for robot problems with one goal that is a ball. Evaluated beside the budget: other problems than the one to be
+  /// solved. Of the action's parameters those of k are filled in, the others 0.
+  [[nodiscard]] std::vector<Transition> hindsight(int n, Rng& rng) const override;
+  /// Work of the evaluations, previews and hindsight included.
   [[nodiscard]] Work work() const override { return work_; }
 
  private:
@@ -82,6 +87,8 @@ class DesignEnvironment final : public Environment {
   [[nodiscard]] std::optional<Evaluation> evaluated(const DesignProblem& problem, const Design& design) const;
   [[nodiscard]] ActionMask mask_after(const DesignProblem& problem, const Design& design) const;
   [[nodiscard]] std::optional<std::vector<DesignModel::Target>> targets(const DesignProblem& problem) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> hindsight_target(const RobotProblem& problem, Rng& rng) const;
+  [[nodiscard]] std::optional<Transition> relabelled(const RobotProblem& problem, const Eigen::Vector3d& p_W) const;
   [[nodiscard]] bool ends(const Evaluation& evaluation) const;
   /// What the reward of a placement is counted from: 0, or the score of design_; nothing if that evaluation is refused.
   [[nodiscard]] std::optional<double> paid_before() const;

@@ -240,5 +240,74 @@ TEST(DesignEnvironment, CountsTheWorkOfItsEvaluations) {
   EXPECT_GT(environment.work().forward, 0);
 }
 
+// Relabelled goals are reached by the design, lie in the region targets are drawn from, and pay what their problem
+// pays.
+TEST(Hindsight, TellsOfTheLastPlacementInTasksThatItSolves) {
+  const ProblemFile file = load_problem_file("seed/random_narrow");
+  DesignEnvironment environment{file, {.encoder = {.kind = EncoderKind::kSeed36}}};
+  Rng rng{7};
+  int told = 0;
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    environment.reset(Rng{i});
+    (void)environment.step(action(environment, "hinge", {0.5 + 0.02 * static_cast<double>(i), 1.0}));
+    const double mass = environment.design().parameters().sum();
+    for (const Transition& transition : environment.hindsight(3, rng)) {
+      ++told;
+      const Eigen::Vector3d target = transition.s.tail<3>().cast<double>();
+      EXPECT_TRUE((target.array() >= file.sampling->lower.array() - 1e-6).all()) << target.transpose();
+      EXPECT_TRUE((target.array() <= file.sampling->upper.array() + 1e-6).all()) << target.transpose();
+      EXPECT_TRUE(transition.terminated);
+      EXPECT_FALSE(transition.truncated);
+      EXPECT_NEAR(transition.reward, 350.0 - 5.0 * mass, 1e-4);
+      // Nothing but the target differs from the real step: here the design after it.
+      EXPECT_EQ(transition.s_next.head(33), environment.observation().head(33));
+      EXPECT_EQ(transition.s_next.tail(3), transition.s.tail(3));
+      EXPECT_EQ(transition.next_mask, environment.space().all());
+      // The model of the state before it sees the placement reach.
+      const int k = transition.action.k;
+      const Eigen::VectorXf x_k =
+          transition.action.x.segment(environment.space().offset(k), environment.space().count(k));
+      Work work;
+      const auto look = transition.model->look(k, {x_k.data(), static_cast<std::size_t>(x_k.size())}, work);
+      EXPECT_LE(look.value().error, 1e-6);
+    }
+  }
+  EXPECT_GT(told, 60);
+}
+
+TEST(Hindsight, LeavesOutGoalsThatTheDesignBeforeHadReached) {
+  DesignEnvironment environment{problem_source(load_problem_file("seed/fixed"))};  // anywhere: no region
+  Rng rng{8};
+  environment.reset(Rng{1});
+  (void)environment.step(action(environment, "hinge", {0.5, 1.0}));
+  (void)environment.step(action(environment, "rotary", {0.5, 0.5}));
+  const std::vector<Transition> transitions = environment.hindsight(20, rng);
+  EXPECT_EQ(transitions.size(), 20U);
+  for (const Transition& transition : transitions) EXPECT_TRUE(transition.terminated);
+}
+
+TEST(Hindsight, PaysDifferencesWhereStepsDo) {
+  DesignEnvironment environment{load_problem_file("seed/random_wide"), {.reward = RewardKind::kDifference}};
+  environment.reset(Rng{1});
+  (void)environment.step(action(environment, "hinge", {0.5, 1.0}));
+  Rng rng{9};
+  const std::vector<Transition> transitions = environment.hindsight(5, rng);
+  EXPECT_FALSE(transitions.empty());
+  for (const Transition& transition : transitions) {
+    EXPECT_NEAR(transition.reward, 350.0 - 5.0 * 1.5 - 1.0, 1e-4);  // nothing placed is worth +1
+  }
+}
+
+TEST(Hindsight, HasNothingToTellBeforeAStepOrOfProblemsThatAreNoRobots) {
+  Rng rng{1};
+  DesignEnvironment robot = environment_of("seed/fixed");
+  robot.reset(Rng{1});
+  EXPECT_TRUE(robot.hindsight(3, rng).empty());
+  DesignEnvironment other = told([](const Design&) { return worth(0.0); });
+  other.reset(Rng{1});
+  (void)other.step(plain(other, 0));
+  EXPECT_TRUE(other.hindsight(3, rng).empty());
+}
+
 }  // namespace
 }  // namespace modsearch
