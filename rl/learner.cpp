@@ -58,6 +58,7 @@ Policy::Policy(LearnerSettings settings, Agent& agent)
     std::memcpy(values.data(), part.bytes.data(), part.bytes.size());
     tensors_.emplace_back(part.name, std::move(values));
   }
+  actor_ = this->agent();
 }
 
 Policy::Policy(LearnerSettings settings, HybridSpace space, int observation_size,
@@ -65,9 +66,8 @@ Policy::Policy(LearnerSettings settings, HybridSpace space, int observation_size
     : settings_{std::move(settings)},
       space_{std::move(space)},
       observation_size_{observation_size},
-      tensors_{std::move(tensors)} {
-  static_cast<void>(agent());
-}
+      tensors_{std::move(tensors)},
+      actor_{agent()} {}
 
 std::unique_ptr<Agent> Policy::agent() const {
   std::unique_ptr<Agent> agent = make_agent(settings_.kind, space_, observation_size_, settings_.agent, Rng{0});
@@ -97,19 +97,19 @@ SearchEnd Policy::do_solve(const DesignProblem& problem, Meter& meter, Rng rng) 
   environment.set_evaluate([&meter](const DesignProblem& p, const Design& design, Fidelity fidelity) {
     return meter.evaluate(p, design, fidelity);
   });
-  const std::unique_ptr<Agent> actor = agent();
+  const std::lock_guard lock{mutex_};
   environment.reset(rng.fork("episode"));
   Rng refine = rng.fork("refinement");
   Work work;
   int steps = 0;
   while (environment.running() && !meter.stopped()) {
-    const HybridAction action = actor->greedy(environment.observation(), environment.mask());
+    const HybridAction action = actor_->greedy(environment.observation(), environment.mask());
     static_cast<void>(environment.step(refined(action, environment, settings_.training.acting, refine, work)));
     ++steps;
   }
   meter.count(work);
   return {.stop = StopReason::kExhausted,
-          .reason = fmt::format("{} placed {} module{}", actor->name(), steps, steps == 1 ? "" : "s"),
+          .reason = fmt::format("{} placed {} module{}", actor_->name(), steps, steps == 1 ? "" : "s"),
           .bound = std::nullopt};
 }
 

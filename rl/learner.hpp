@@ -6,6 +6,7 @@
 #include <modsearch/rl/settings.hpp>
 #include <modsearch/rl/training.hpp>
 #include <modsearch/solvers/solver.hpp>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,8 @@ class Policy final : public Solver {
   HybridSpace space_;
   int observation_size_;
   std::vector<std::pair<std::string, std::vector<float>>> tensors_;
+  mutable std::mutex mutex_;  // an agent computes in its own memory: one solve at a time
+  mutable std::unique_ptr<Agent> actor_;
 };
 
 }  // namespace modsearch

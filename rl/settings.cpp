@@ -139,6 +139,8 @@ std::vector<Setting> make_table() {
       setting("elite_episodes", "best episodes kept", MODSEARCH_FIELD(training.elite_episodes)),
       setting("hindsight", "relabelled transitions per step", MODSEARCH_FIELD(training.hindsight)),
       setting("polish", "Gauss-Newton steps on the chosen module at most", MODSEARCH_FIELD(training.acting.polish)),
+      setting("polish_mass", "polish goes on to the lightest parameters that reach",
+              MODSEARCH_FIELD(training.acting.polishing.descend_mass)),
       setting("proposals", "polished proposals of which the best is taken", MODSEARCH_FIELD(training.acting.proposals)),
       setting("proposal_deviation", "their deviation; the range of a parameter is 2",
               MODSEARCH_FIELD(training.acting.proposal_deviation)),
