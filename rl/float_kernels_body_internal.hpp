@@ -122,10 +122,9 @@ inline Four sums(Vector a, Vector b, Vector c, Vector d) {
   return __builtin_shufflevector(pq, rs, 0, 1, 4, 5) + __builtin_shufflevector(pq, rs, 2, 3, 6, 7);
 }
 
-// Four rows of A (or one, four times) with N rows of B.
-template <int N>
-void dots_tile(const RowDots& p, Index i, Index j, bool four) {
-  const Index step = four ? p.a_row : 0;
+// R rows of A (4 or 1) with N rows of B. A row alone is summed in the same order as among four.
+template <int R, int N>
+void dots_tile(const RowDots& p, Index i, Index j) {
   const float* a = p.a + i * p.a_row;
   const float* b = p.b + j * p.b_row;
   Vector sum[4][N] = {};
@@ -134,22 +133,22 @@ void dots_tile(const RowDots& p, Index i, Index j, bool four) {
     for (int n = 0; n < N; ++n) {
       const Vector y = load(b + n * p.b_row + d);
 #pragma GCC unroll 4
-      for (int r = 0; r < 4; ++r) sum[r][n] += load(a + r * step + d) * y;
+      for (int r = 0; r < R; ++r) sum[r][n] += load(a + r * p.a_row + d) * y;
     }
   }
 #pragma GCC unroll 4
   for (int n = 0; n < N; ++n) {
     const float bias = p.bias ? p.bias[j + n] : 0.0F;
     const Four y = sums(sum[0][n], sum[1][n], sum[2][n], sum[3][n]) + bias;
-    for (int r = 0; r < (four ? 4 : 1); ++r) p.c[(i + r) * p.c_row + j + n] = y[r];
+    for (int r = 0; r < R; ++r) p.c[(i + r) * p.c_row + j + n] = y[r];
   }
 }
 
 template <int N>
 void dots_columns(const RowDots& p, Index j) {
   Index i = 0;
-  for (; i + 4 <= p.rows; i += 4) dots_tile<N>(p, i, j, true);
-  for (; i < p.rows; ++i) dots_tile<N>(p, i, j, false);
+  for (; i + 4 <= p.rows; i += 4) dots_tile<4, N>(p, i, j);
+  for (; i < p.rows; ++i) dots_tile<1, N>(p, i, j);
 }
 
 void row_dots(const RowDots& p) {
