@@ -1,5 +1,6 @@
 // One update of P-DQN and MP-DQN and one choice of an action, ours against LibTorch (C++, one thread), where that is
-// installed; and MP-DQN's update against P-DQN's. MODSEARCH_ISA=sse2|avx2|avx512 chooses the instruction set of ours.
+// installed; and MP-DQN's update against P-DQN's. LibTorch wants OpenBLAS (libopenblas0-pthread); the log
+// says which library it had. MODSEARCH_ISA=sse2|avx2|avx512 chooses the instruction set of ours.
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
@@ -170,6 +171,9 @@ void register_all() {
 
 int main(int argc, char** argv) {
   benchmark::AddCustomContext("kernels", std::string{modsearch::kernel_isa()});
+#ifdef MODSEARCH_TORCH
+  benchmark::AddCustomContext("BLAS of LibTorch", modsearch::torch_blas());
+#endif
   modsearch::register_all();
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();

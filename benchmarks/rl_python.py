@@ -1,9 +1,9 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """One P-DQN update in Python and PyTorch, as users of the published implementations know it: the yardstick beside
 rl_benchmark. Same sizes: 16 observations, three actions of two parameters, value network [128], actor [128, 64] with a
 fixed linear passthrough, batch 128, one thread. Needs python3-torch and numpy.
 
-    OMP_NUM_THREADS=1 python3 benchmarks/rl_python.py            # microseconds per update: median, least, largest
+    OMP_NUM_THREADS=1 /usr/bin/python3 benchmarks/rl_python.py            # microseconds per update: median, least, largest
     ... --multi-pass                                             # MP-DQN
 """
 

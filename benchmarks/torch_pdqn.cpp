@@ -1,5 +1,6 @@
 #include "torch_pdqn.hpp"
 
+#include <dlfcn.h>
 #include <torch/torch.h>
 
 #include <algorithm>
@@ -56,6 +57,12 @@ void follow(const nn::Sequential& target, const nn::Sequential& source, double t
 }
 
 }  // namespace
+
+std::string torch_blas() {
+  const auto config = reinterpret_cast<const char* (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_config"));
+  if (config != nullptr) return config();
+  return dlsym(RTLD_DEFAULT, "ATL_buildinfo") != nullptr ? "ATLAS" : "neither OpenBLAS nor ATLAS";
+}
 
 struct TorchPdqn::Memory {
   Memory(ValueKind the_kind, Agent& agent, const AgentOptions& the_options, bool in_double)
