@@ -8,7 +8,7 @@ namespace modsearch {
 /// What is done to a policy's proposal before it is carried out.
 struct ActingOptions {
   int polish = 0;                   ///< most Gauss-Newton steps on the chosen module's parameters; 0: raw
-  PolishOptions polishing;          ///< how they are done
+  PolishOptions polishing{};          ///< how they are done
   int proposals = 1;                ///< polished proposals of which the best by its true reward is taken
   double proposal_deviation = 0.3;  ///< of the proposals about the policy's own, in scaled units (the range is 2)
   bool all_types = false;           ///< as many proposals for every allowed type, not only for the policy's

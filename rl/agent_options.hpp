@@ -57,14 +57,14 @@ struct AgentOptions {
   double passthrough_bias_deviation = 0.0;    ///< the report's code: 2 (of which 62 % lie outside the bounds)
   double passthrough_weight_mean = 0.0;       ///< the report's text: 1
   double passthrough_weight_deviation = 0.0;  ///< the report's text: 1
-  std::vector<double> passthrough_bias;       ///< [D] in scaled units, instead of a drawn one
+  std::vector<double> passthrough_bias{};     ///< [D] in scaled units, instead of a drawn one
 
   double mixed_target = 0.0;  ///< beta in y = beta G + (1 - beta) y_1: share of the whole return (HFO: 0.2)
-  Td3Options td3;
-  ModelGradientOptions model;
+  Td3Options td3{};
+  ModelGradientOptions model{};
   int bins = 11;  ///< DQN only: values per parameter; 11 are 0.1 m apart in the reference library
 
-  [[nodiscard]] Adam::Options adam() const { return {.clip = static_cast<float>(clip)}; }
+  [[nodiscard]] Adam::Options adam() const { return {.clip = clip}; }
 };
 
 }  // namespace modsearch

@@ -22,9 +22,9 @@ struct TrainingOptions {
   int batch = 128;                 ///< per update; the report
   int warm_up = 128;               ///< experiences before the first update
   double updates_per_step = 1.0;   ///< Bester et al. 2019
-  ReturnOptions returns;
-  ExplorationOptions exploration;
-  ActingOptions acting;          ///< in training and evaluation alike
+  ReturnOptions returns{};
+  ExplorationOptions exploration{};
+  ActingOptions acting{};          ///< in training and evaluation alike
   int evaluate_every = 30;       ///< training episodes between evaluations; the report
   int evaluation_episodes = 10;  ///< greedy episodes per evaluation; the report
   int patience = 300;            ///< evaluations without a new best before training ends; 0: never. The report

@@ -1,0 +1,84 @@
+#include <modsearch/rl/actor_gradient.hpp>
+
+#include <gtest/gtest.h>
+
+namespace modsearch {
+namespace {
+
+TEST(InvertGradients, ShrinksWithTheRoomThatIsLeft) {
+  // Hausknecht and Stone's formula on [-1, 1]: times (1 - p) / 2 upwards, (p + 1) / 2 downwards.
+  RowMatrixXf g(1, 6), p(1, 6);
+  g << 1.0F, 1.0F, 1.0F, 1.0F, -1.0F, -1.0F;
+  p << 0.0F, 0.5F, 1.0F, 2.0F, 2.0F, -1.0F;
+  invert_gradients(g, p, 1.0F);
+  RowMatrixXf expected(1, 6);
+  expected << 0.5F, 0.25F, 0.0F, -0.5F, -1.5F, -0.0F;
+  EXPECT_TRUE(g.isApprox(expected)) << g;
+}
+
+TEST(InvertGradients, LetsAParameterRestOnItsBoundWithinWiderBounds) {
+  RowMatrixXf g = RowMatrixXf::Constant(1, 1, 1.0F);
+  invert_gradients(g, RowMatrixXf::Constant(1, 1, 1.0F), 1.1F);
+  EXPECT_NEAR(g(0, 0), 0.1F / 2.2F, 1e-6F);
+}
+
+TEST(KeepTakenSlices, ClearsTheGradientsOfOtherActions) {
+  const HybridSpace space{{1, 2, 0, 1}};
+  Batch batch;
+  batch.resize(3, 1, 4);
+  batch.k << 1, 3, 2;
+  RowMatrixXf g = RowMatrixXf::Ones(3, 4);
+  keep_taken_slices(batch, space, g);
+  RowMatrixXf expected(3, 4);
+  expected << 0, 1, 1, 0,  //
+      0, 0, 0, 1,          //
+      0, 0, 0, 0;
+  EXPECT_EQ(g, expected);
+}
+
+TEST(SmoothingNoise, StaysWithinItsClipAndTheBounds) {
+  Rng rng{0};
+  RowMatrixXf x = RowMatrixXf::Constant(200, 2, 0.9F);
+  add_smoothing_noise({.smoothing = 0.5, .smoothing_clip = 0.2}, rng, x);
+  EXPECT_LE(x.maxCoeff(), 1.0F);
+  EXPECT_GE(x.minCoeff(), 0.7F - 1e-6F);
+  EXPECT_GT(x.maxCoeff() - x.minCoeff(), 0.25F);
+  const RowMatrixXf before = x;
+  add_smoothing_noise({}, rng, x);
+  EXPECT_EQ(x, before);
+}
+
+// A model that knows the error e = |x - 0.3| and the mass 2 x, of action 1 only.
+class LineModel final : public ActionModel {
+ public:
+  [[nodiscard]] std::optional<Look> look(int k, std::span<const float> x_k, Work& work) const override {
+    if (k != 1) return std::nullopt;
+    ++work.ik_iterations;
+    const double difference = static_cast<double>(x_k[0]) - 0.3;
+    return Look{.error = std::abs(difference),
+                .tolerance = 0.001,
+                .mass = 2.0 * static_cast<double>(x_k[0]),
+                .error_slope = Eigen::VectorXd::Constant(1, difference > 0.0 ? 1.0 : -1.0),
+                .mass_slope = Eigen::VectorXd::Constant(1, 2.0)};
+  }
+  [[nodiscard]] std::vector<double> key() const override { return {1.0}; }
+};
+
+TEST(ModelGradient, PullsTowardsTheGoalAndDownTheMass) {
+  const LineModel model;
+  const HybridSpace space{{1, 1}};
+  Batch batch;
+  batch.resize(2, 1, 2);
+  batch.model = {&model, nullptr};
+  const RowMatrixXf x = RowMatrixXf::Constant(2, 2, 0.7F);
+  RowMatrixXf g = RowMatrixXf::Zero(2, 2);
+  const Work work = add_model_gradient(batch, space, {.reach = 10.0, .mass = 3.0, .width = 0.3}, x, g);
+  // -(1 / B) (reach e / hypot(e, width) de/dx + mass dm/dx) with e = 0.4, hypot = 0.5.
+  EXPECT_NEAR(g(0, 1), -0.5 * (10.0 * 0.8 + 3.0 * 2.0), 1e-5);
+  EXPECT_EQ(g(0, 0), 0.0F);
+  EXPECT_EQ(g.row(1).norm(), 0.0F);
+  EXPECT_EQ(work.ik_iterations, 1);
+}
+
+}  // namespace
+}  // namespace modsearch
