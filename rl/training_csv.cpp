@@ -70,7 +70,10 @@ bool parse(std::string_view text, T& number) {
 
 std::string training_csv_columns() {
   std::string line;
-  for (const Column& column : kColumns) line += (line.empty() ? "" : ",") + std::string{column.name};
+  for (const Column& column : kColumns) {
+    if (!line.empty()) line += ',';
+    line += column.name;
+  }
   return line;
 }
 
