@@ -1,4 +1,3 @@
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -129,6 +128,9 @@ LocalIk::LocalIk(const Arm& arm, const PoseRegion& region, int max_iterations)
   }
   gradient_.resize(n);
   hessian_.resize(n, n);
+  jacobian_.resize(3, n);
+  factor_.resize(n, n);
+  step_.resize(n);
 }
 
 Eigen::VectorXd LocalIk::start(int index) const {
@@ -159,21 +161,58 @@ double LocalIk::cost(const Eigen::VectorXd& q) {
 // Of half the squared residual at the posture of the last cost(). Exact for a ball: Gauss-Newton stalls at the edge of
 // the arm's reach, where the Jacobian is singular and the distance is not zero.
 void LocalIk::derivatives(const Eigen::VectorXd& q) {
-  const Eigen::Matrix<double, 6, Eigen::Dynamic> J_tip = arm_.tip_jacobian_q(posture_);
   if (!ball_) {
-    const Eigen::MatrixXd J = residuals_.jacobian(posture_.tip) * J_tip;
+    const Eigen::MatrixXd J = residuals_.jacobian(posture_.tip) * arm_.tip_jacobian_q(posture_);
     gradient_.noalias() = J.transpose() * residual_;
     hessian_.noalias() = J.transpose() * J;
     return;
   }
   const Eigen::Vector3d e = residual_;
-  gradient_.noalias() = J_tip.topRows<3>().transpose() * e;
-  for (int i = 0; i < q.size(); ++i) {
-    const bool rotates = arm_.chain().joints()[static_cast<std::size_t>(i)].rotates();
-    const Eigen::Vector3d bent = rotates ? e.cross(posture_.axis(i)).eval() : Eigen::Vector3d::Zero().eval();
-    const Eigen::Vector3d row = J_tip.col(i).head<3>() + bent;
-    for (int j = i; j < q.size(); ++j) hessian_(i, j) = hessian_(j, i) = row.dot(J_tip.col(j).head<3>());
+  const Eigen::Vector3d p_W = posture_.tip.translation();
+  const std::vector<Joint>& joints = arm_.chain().joints();
+  for (int j = 0; j < q.size(); ++j) {
+    const Eigen::Vector3d axis = posture_.axis(j);
+    if (joints[static_cast<std::size_t>(j)].rotates()) {
+      jacobian_.col(j) = axis.cross(p_W - posture_.origin(j));
+    } else {
+      jacobian_.col(j) = axis;
+    }
+    gradient_[j] = jacobian_.col(j).dot(e);
   }
+  for (int i = 0; i < q.size(); ++i) {
+    Eigen::Vector3d row = jacobian_.col(i);
+    if (joints[static_cast<std::size_t>(i)].rotates()) row += e.cross(posture_.axis(i));
+    for (int j = i; j < q.size(); ++j) hessian_(i, j) = hessian_(j, i) = row.dot(jacobian_.col(j));
+  }
+}
+
+// step_ = -(hessian_ + damping I)^-1 gradient_ by Cholesky's method; false if the matrix is not positive definite. By
+// hand: for a handful of joints the calls of a general one cost more than the arithmetic.
+bool LocalIk::solve_damped(double damping) {
+  const Eigen::Index n = gradient_.size();
+  for (Eigen::Index j = 0; j < n; ++j) {
+    double pivot = hessian_(j, j) + damping;
+    for (Eigen::Index k = 0; k < j; ++k) pivot -= factor_(k, j) * factor_(k, j);
+    if (!(pivot > 0.0)) return false;
+    const double root = std::sqrt(pivot);
+    factor_(j, j) = root;
+    for (Eigen::Index i = j + 1; i < n; ++i) {  // factor_ holds L^T: column i is row i of L
+      double sum = hessian_(i, j);
+      for (Eigen::Index k = 0; k < j; ++k) sum -= factor_(k, i) * factor_(k, j);
+      factor_(j, i) = sum / root;
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    double sum = -gradient_[i];
+    for (Eigen::Index k = 0; k < i; ++k) sum -= factor_(k, i) * step_[k];
+    step_[i] = sum / factor_(i, i);
+  }
+  for (Eigen::Index i = n - 1; i >= 0; --i) {
+    double sum = step_[i];
+    for (Eigen::Index k = i + 1; k < n; ++k) sum -= factor_(i, k) * step_[k];
+    step_[i] = sum / factor_(i, i);
+  }
+  return true;
 }
 
 bool LocalIk::pressed(const Eigen::VectorXd& q, int j) const {
@@ -185,8 +224,9 @@ bool LocalIk::pressed(const Eigen::VectorXd& q, int j) const {
 Verdict LocalIk::refine(Eigen::VectorXd q) {
   constexpr double kZero = 1e-28;          // of the cost: nothing left to gain
   constexpr double kShortestStep = 1e-10;  // [rad] or [m]
-  constexpr double kLongestStep = 1.0;     // longer steps leave the range where the linear model means anything
-  constexpr double kLeastDamping = 1e-9;   // redundant arms have a singular Hessian
+  constexpr double kNothingToGain = 1e-16;
+  constexpr double kLongestStep = 1.0;    // longer steps leave the range where the linear model means anything
+  constexpr double kLeastDamping = 1e-9;  // redundant arms have a singular Hessian
   const auto n = q.size();
   project(q);
   double f = cost(q);
@@ -205,32 +245,31 @@ Verdict LocalIk::refine(Eigen::VectorXd q) {
     if (gradient_.cwiseAbs().maxCoeff() == 0.0) break;
     const double scale = std::max(hessian_.diagonal().cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
     for (bool moved = false; !moved && !done;) {
-      Eigen::MatrixXd A = hessian_;
-      A.diagonal().array() += damping * scale;
-      const Eigen::LLT<Eigen::MatrixXd> factors{A};
-      if (factors.info() != Eigen::Success) {
+      if (!solve_damped(damping * scale)) {
         damping *= 4.0;
         done = !(damping < 1e12);
         continue;
       }
-      Eigen::VectorXd d = factors.solve(-gradient_);
-      const double longest = d.cwiseAbs().maxCoeff();
-      if (longest > kLongestStep) d *= kLongestStep / longest;
-      Eigen::VectorXd trial = q + d;
-      project(trial);
-      const double f_trial = cost(trial);
+      // What the step promises is below the rounding of f: this is the minimum, and shorter steps would only dither.
+      if (-gradient_.dot(step_) <= kNothingToGain * f) {
+        done = true;
+        break;
+      }
+      const double longest = step_.cwiseAbs().maxCoeff();
+      if (longest > kLongestStep) step_ *= kLongestStep / longest;
+      trial_ = q + step_;
+      project(trial_);
+      const double f_trial = cost(trial_);
       moved = f_trial < f;
       done = longest < kShortestStep || f_trial <= kZero || !std::isfinite(f_trial);
       if (moved) {
-        q = std::move(trial);
+        q.swap(trial_);
         f = f_trial;
         damping = std::max(0.2 * damping, kLeastDamping);
       } else {
         damping *= 4.0;
       }
     }
-    // The posture of the last cost() may be a refused one.
-    if (!done) cost(q);
   }
   return judge(arm_, region_, q);
 }

@@ -58,6 +58,7 @@ class LocalIk {
 
  private:
   double cost(const Eigen::VectorXd& q);
+  bool solve_damped(double damping);
   void derivatives(const Eigen::VectorXd& q);
   void project(Eigen::VectorXd& q) const;
   [[nodiscard]] bool pressed(const Eigen::VectorXd& q, int j) const;
@@ -69,10 +70,15 @@ class LocalIk {
   int max_iterations_;
   Eigen::VectorXd lower_, upper_;  // finite
   std::vector<bool> full_circle_;
+  // Memory of the search's loops, which must not allocate.
   Posture posture_;  // of the last cost()
   Eigen::VectorXd residual_;
   Eigen::VectorXd gradient_;
   Eigen::MatrixXd hessian_;
+  Eigen::Matrix3Xd jacobian_;  // of the tip's position in q; of balls
+  Eigen::MatrixXd factor_;
+  Eigen::VectorXd step_;
+  Eigen::VectorXd trial_;
   std::int64_t iterations_ = 0;
   std::int64_t forward_ = 0;
 };
