@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <modsearch/rl/archive.hpp>
@@ -123,6 +124,12 @@ class TrainingFiles {
   std::optional<EventFile> events_;
 };
 
+bool has_finite_weights(const Policy& policy) {
+  return std::all_of(policy.tensors().begin(), policy.tensors().end(), [](const auto& tensor) {
+    return std::all_of(tensor.second.begin(), tensor.second.end(), [](float w) { return std::isfinite(w); });
+  });
+}
+
 nlohmann::ordered_json summary_json(const TrainArguments& arguments, const ChosenAgent& chosen,
                                     const Training& training) {
   nlohmann::ordered_json json;
@@ -208,9 +215,12 @@ Status train(const TrainArguments& arguments, const CommonArguments& common, std
   display.finish();
 
   nlohmann::ordered_json json = summary_json(arguments, chosen, training);
+  const auto& policy = dynamic_cast<const Policy&>(*training.policy);
+  const bool diverged = !has_finite_weights(policy);
+  json["diverged"] = diverged;
   std::string text = summary_text(json);
+  if (diverged) text += "diverged     some weights are infinite or NaN: no policy is kept\n";
   if (arguments.out) {
-    const auto& policy = dynamic_cast<const Policy&>(*training.policy);
     PolicyFile::Facts facts{.version = MODSEARCH_VERSION,
                             .preset = chosen.preset,
                             .seed = arguments.seed,
@@ -232,7 +242,8 @@ Status train(const TrainArguments& arguments, const CommonArguments& common, std
   } else {
     write_out(text);
   }
-  return training.end == TrainingEnd::kInterrupted ? Status::kInterrupted : Status::kSuccess;
+  if (training.end == TrainingEnd::kInterrupted) return Status::kInterrupted;
+  return diverged ? Status::kNegative : Status::kSuccess;
 }
 
 }  // namespace modsearch::app

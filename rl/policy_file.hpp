@@ -31,14 +31,14 @@ struct PolicyFile {
     friend bool operator==(const Action&, const Action&) = default;
   };
   struct Facts {
-    std::string version;  ///< of modsearch
-    std::string preset;   ///< from which the settings were made; empty: none
+    std::string version{};  ///< of modsearch
+    std::string preset{};   ///< from which the settings were made; empty: none
     std::uint64_t seed = 0;
     std::int64_t episodes = 0;  ///< of training
     std::int64_t steps = 0;     ///< of the environment
     std::int64_t updates = 0;
     double seconds = 0.0;               ///< of training [s]
-    std::optional<double> mean_return;  ///< of the greedy episodes at its end
+    std::optional<double> mean_return{};  ///< of the greedy episodes at its end
 
     friend bool operator==(const Facts&, const Facts&) = default;
   };
