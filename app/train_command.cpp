@@ -44,8 +44,7 @@ ChosenAgent choose_agent(const std::string& text, const ProblemFile& file) {
     throw std::invalid_argument(
         fmt::format("agent option preset={}: not one of report, report-code, best", chosen.preset));
   }
-  chosen.settings = settings_of(
-      *kind, *preset, {.sampled = file.sampling.has_value(), .obstacles = !file.spec.scene->obstacles().empty()});
+  chosen.settings = settings_of(*kind, *preset, traits_of(file));
   for (const auto& [key, value] : parsed.options) {
     if (key != "preset") apply_setting(chosen.settings, key, value);
   }

@@ -262,9 +262,7 @@ Arguments parsed(const std::vector<std::string>& words) {
 
 void run(const Row& row, const Arguments& arguments) {
   const ProblemFile file = load_problem_file(row.problem);
-  LearnerSettings settings =
-      settings_of(row.kind, Preset::kBest,
-                  {.sampled = file.sampling.has_value(), .obstacles = !file.spec.scene->obstacles().empty()});
+  LearnerSettings settings = settings_of(row.kind, Preset::kBest, traits_of(file));
   settings.environment.hindsight_region = file.sampling;
   settings.training.final_episodes = 1;  // the held-out tasks say more
   for (const auto& [key, value] : row.changes) apply_setting(settings, key, value);

@@ -37,6 +37,18 @@ std::vector<float> seed36_ids(const ModuleLibrary& library) {
   return ids;
 }
 
+void check_box(const std::vector<double>& box) {
+  if (box.empty()) return;
+  if (box.size() != 6) {
+    throw std::invalid_argument(fmt::format("observation: a goal box of {} numbers, there must be 6", box.size()));
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (box[i] < box[i + 3]) continue;
+    throw std::invalid_argument(fmt::format("observation: a goal box from {} to {} along {}, must have a width above 0",
+                                            box[i], box[i + 3], "xyz"[i]));
+  }
+}
+
 void append(std::vector<double>& numbers, const Eigen::VectorXd& more) {
   numbers.insert(numbers.end(), more.begin(), more.end());
 }
@@ -69,6 +81,7 @@ ObservationEncoder::ObservationEncoder(EncoderOptions options, const DesignProbl
     throw std::invalid_argument(
         fmt::format("observation {}: problem '{}': {}", modsearch::name(options.kind), problem.name(), what));
   };
+  check_box(options.goal_box);
   if (options.kind == EncoderKind::kSeed36) {
     if (as_robot(problem) == nullptr) refuse("is no robot problem, so there is no target to show");
     if (problem.max_modules() > kSeedSlots) {
@@ -96,12 +109,21 @@ std::vector<double> ObservationEncoder::instance_numbers(const DesignProblem& pr
     return numbers;
   }
   append(numbers, problem.context());
-  if (!options_.cylindrical || robot == nullptr) return numbers;
-  const Eigen::Isometry3d X_BW = robot->spec().X_WB.inverse();
-  for (const Goal& goal : robot->task().goals()) {
-    const Eigen::Vector3d p_B = X_BW * goal.position();
-    numbers.push_back(kCylindricalScale * std::hypot(p_B.x(), p_B.y()));
-    numbers.push_back(kCylindricalScale * p_B.norm());
+  if (robot == nullptr) return numbers;
+  if (options_.cylindrical) {
+    const Eigen::Isometry3d X_BW = robot->spec().X_WB.inverse();
+    for (const Goal& goal : robot->task().goals()) {
+      const Eigen::Vector3d p_B = X_BW * goal.position();
+      numbers.push_back(kCylindricalScale * std::hypot(p_B.x(), p_B.y()));
+      numbers.push_back(kCylindricalScale * p_B.norm());
+    }
+  }
+  if (!options_.goal_box.empty()) {
+    const Eigen::Map<const Eigen::Array3d> lower{options_.goal_box.data()};
+    const Eigen::Map<const Eigen::Array3d> upper{options_.goal_box.data() + 3};
+    for (const Goal& goal : robot->task().goals()) {
+      append(numbers, (2.0 * (goal.position().array() - lower) / (upper - lower) - 1.0).matrix());
+    }
   }
   return numbers;
 }

@@ -188,6 +188,8 @@ std::vector<Setting> make_table() {
                           MODSEARCH_FIELD(environment.encoder.kind)),
       setting("cylindrical", "distances of the goal from axis and base beside it",
               MODSEARCH_FIELD(environment.encoder.cylindrical)),
+      setting("goal_box", "lower/upper corner of where goals lie, whose place in it is then shown too [m]",
+              MODSEARCH_FIELD(environment.encoder.goal_box)),
       choice<RewardKind>("reward", "what a placement pays",
                          {{"score", RewardKind::kScore}, {"difference", RewardKind::kDifference}},
                          MODSEARCH_FIELD(environment.reward)),

@@ -31,7 +31,9 @@ enum class Preset {
 struct ProblemTraits {
   bool sampled = false;
   bool obstacles = false;
+  std::vector<double> goal_box{};  ///< sampled: EncoderOptions::goal_box
 };
+[[nodiscard]] ProblemTraits traits_of(const ProblemFile& file);
 [[nodiscard]] LearnerSettings settings_of(AgentKind kind, Preset preset, const ProblemTraits& traits = {});
 
 /// One setting, by its name: for command lines, records and policy files.

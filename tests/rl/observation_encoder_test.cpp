@@ -32,6 +32,22 @@ std::string refusal(Action action) {
   return "";
 }
 
+TEST(GoalBox, IsShownFromMinusOneToOneAfterAllElse) {
+  const auto problem = load_problem("seed/fixed");  // target (1, 0, 1)
+  const std::vector<double> box{0.0, -1.0, 0.5, 1.0, 1.0, 2.5};
+  const std::vector<float> without = encoded({}, *problem, {});
+  std::vector<float> expected = without;
+  expected.insert(expected.end(), {1.0F, 0.0F, -0.5F});
+  EXPECT_EQ(encoded({.goal_box = box}, *problem, {}), expected);
+}
+
+TEST(GoalBox, MustBeOne) {
+  const auto problem = load_problem("seed/fixed");
+  EXPECT_THAT(refusal([&] { ObservationEncoder({.goal_box = {0.0, 1.0}}, *problem); }), HasSubstr("box of 2 numbers"));
+  EXPECT_THAT(refusal([&] { ObservationEncoder({.goal_box = {0.0, 0.0, 1.0, 1.0, 1.0, 1.0}}, *problem); }),
+              HasSubstr("from 1 to 1 along z"));
+}
+
 TEST(Seed36, ShowsTheReportsThirtySixNumbersInItsOrder) {
   const auto problem = load_problem("seed/fixed");
   const ModuleLibrary& library = problem->library();
