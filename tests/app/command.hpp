@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -79,6 +80,19 @@ class Child {
     }
   }
   void interrupt() const { kill(pid_, SIGINT); }
+  /// Ctrl-C as soon as `file` has a second line, or nothing if the program ends before.
+  void interrupt_when_there_is(const std::filesystem::path& file) const {
+    const auto ended = [this] {
+      siginfo_t info{};
+      return waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == pid_;
+    };
+    const auto lines = [&file] {
+      const std::string text = read_text(file);
+      return std::count(text.begin(), text.end(), '\n');
+    };
+    while (lines() < 2 && !ended()) std::this_thread::yield();
+    interrupt();
+  }
   [[nodiscard]] Outcome wait() const {
     int status = 0;
     waitpid(pid_, &status, 0);
