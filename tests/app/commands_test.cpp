@@ -446,7 +446,8 @@ TEST(Help, ShowsAnExampleForEverySubcommand) {
 TEST(TrainCommand, TrainsAPolicyThatSolves) {
   const TemporaryFolder folder;
   const Outcome trained = modsearch({"train", "seed/fixed", "--agent", "mpdqn:preset=best,episodes=90,final_episodes=1",
-                                     "--seed", "3", "--json", "--out", folder / "run"});
+                                     "--seed", "3", "--json", "--out", folder / "run"},
+                                    folder);
   ASSERT_EQ(trained.status, 0) << trained.err;
   const json summary = json::parse(trained.out);
   EXPECT_EQ(summary["episodes"], 90);
@@ -457,7 +458,7 @@ TEST(TrainCommand, TrainsAPolicyThatSolves) {
   EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1 + 90 / 30);
 
   const Outcome solved =
-      modsearch({"solve", "seed/fixed", "--solver", "policy:" + (folder / "run/policy.json"), "--json"});
+      modsearch({"solve", "seed/fixed", "--solver", "policy:" + (folder / "run/policy.json"), "--json"}, folder);
   ASSERT_EQ(solved.status, 0) << solved.err;
   const json solution = json::parse(solved.out);
   EXPECT_TRUE(solution["achieved"]);
@@ -471,7 +472,7 @@ TEST(TrainCommand, GoesOnFromItsCheckpointToTheSamePolicy) {
   const auto train = [&](const std::string& name, std::vector<std::string> more) {
     std::vector<std::string> words{"train", "seed/random_narrow", "--agent", agent, "--out", folder / name};
     words.insert(words.end(), more.begin(), more.end());
-    return modsearch(words);
+    return modsearch(words, folder);
   };
   ASSERT_EQ(train("whole", {}).status, 0);
   // Ended long before: its checkpoint is the end of 90 episodes; going on does nothing and gives the same policy.
@@ -494,7 +495,7 @@ TEST(TrainCommand, EndsAtCtrlCWithACheckpointThatLeadsToTheSamePolicy) {
                                     "mpdqn:preset=report,episodes=1500,final_episodes=1,evaluation_episodes=1", "--quiet",
                                     "--out", folder / name};
   };
-  const Outcome whole = modsearch(words("whole"));
+  const Outcome whole = modsearch(words("whole"), folder);
   ASSERT_EQ(whole.status, 0) << whole.err;
   std::vector<std::string> again = words("cut");
   testing::Child child{again, folder.path()};
@@ -502,7 +503,7 @@ TEST(TrainCommand, EndsAtCtrlCWithACheckpointThatLeadsToTheSamePolicy) {
   const Outcome cut = child.wait();
   EXPECT_TRUE(cut.status == 130 || cut.status == 0) << cut.err;
   again.push_back("--resume");
-  ASSERT_EQ(modsearch(again).status, 0);
+  ASSERT_EQ(modsearch(again, folder).status, 0);
   const auto checksum = [&](const std::string& name) {
     return json::parse(read_text(folder / (name + "/policy.json")))["weights"]["crc32c"];
   };
@@ -510,8 +511,9 @@ TEST(TrainCommand, EndsAtCtrlCWithACheckpointThatLeadsToTheSamePolicy) {
 }
 
 TEST(TrainCommand, RefusesWhatItDoesNotKnow) {
-  const auto complaint = [](const std::string& agent) {
-    const Outcome outcome = modsearch({"train", "seed/fixed", "--agent", agent});
+  const TemporaryFolder folder;
+  const auto complaint = [&folder](const std::string& agent) {
+    const Outcome outcome = modsearch({"train", "seed/fixed", "--agent", agent}, folder);
     EXPECT_EQ(outcome.status, 2) << agent;
     return outcome.err;
   };
@@ -520,12 +522,13 @@ TEST(TrainCommand, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(complaint("pdqn:gama=1"), HasSubstr("no option 'gama'"));
   EXPECT_THAT(complaint("pdqn:gamma=2"), HasSubstr("gamma"));
   EXPECT_THAT(complaint("pdqn:batch"), HasSubstr("not of the form key=value"));
-  EXPECT_EQ(modsearch({"solve", "seed/fixed", "--solver", "policy:/nowhere/policy.json"}).status, 2);
-  EXPECT_EQ(modsearch({"train", "seed/fixed", "--resume"}).status, 2);
+  EXPECT_EQ(modsearch({"solve", "seed/fixed", "--solver", "policy:/nowhere/policy.json"}, folder).status, 2);
+  EXPECT_EQ(modsearch({"train", "seed/fixed", "--resume"}, folder).status, 2);
 }
 
 TEST(ListCommand, ShowsTheAgentsWithTheirOptions) {
-  const Outcome outcome = modsearch({"list", "agents", "--json"});
+  const TemporaryFolder folder;
+  const Outcome outcome = modsearch({"list", "agents", "--json"}, folder);
   ASSERT_EQ(outcome.status, 0);
   const json agents = json::parse(outcome.out);
   ASSERT_EQ(agents.size(), 5U);
