@@ -161,13 +161,15 @@ Nearest plain_split(const Coaxial& pair, const Nearest& item) {
 // Two-parameter families are sampled at about this many points per parameter.
 int per_parameter(int family_points) { return std::max(1, static_cast<int>(std::lround(std::sqrt(family_points)))); }
 
-// All ways to share the turns of `items` between the two joints.
-std::vector<Nearest> all_splits(const Coaxial& pair, const std::vector<Nearest>& items, int family_points) {
+// All ways to share the turns of `items` between the two joints; or one way each, if no other is asked for.
+std::vector<Nearest> all_splits(const Coaxial& pair, const std::vector<Nearest>& items, const FamilyOptions& options) {
+  const int family_points = options.points;
   const int few = per_parameter(family_points);
   const int points = static_cast<int>(items.size()) < few ? family_points : few;
   std::vector<Nearest> result;
   for (const Nearest& item : items) {
     result.push_back(plain_split(pair, item));
+    if (!options.shared_turns) continue;
     const std::vector<Interval> intervals = splits(pair, item.q[pair.first]);
     double length = 0.0;
     for (const Interval& interval : intervals) length += interval.upper - interval.lower;
@@ -248,11 +250,11 @@ namespace {
 
 // All joints but `k` are solved for at each of the values; what comes within `limit` is kept.
 std::vector<Nearest> slice(const ReachProblem& problem, int k, const std::vector<double>& values, double limit,
-                           double tie, int family_points, ReachWork& work, std::vector<int>* hits = nullptr) {
+                           const FamilyOptions& options, ReachWork& work, std::vector<int>* hits = nullptr) {
   std::vector<Nearest> result;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::size_t before = result.size();
-    for (const Nearest& item : all_nearest(with_joint_fixed(problem, k, values[i]), tie, family_points, work)) {
+    for (const Nearest& item : all_nearest(with_joint_fixed(problem, k, values[i]), options, work)) {
       if (item.distance <= limit) result.push_back({with_joint_inserted(item.q, k, values[i]), item.distance});
     }
     if (hits != nullptr && result.size() > before) hits->push_back(static_cast<int>(i));
@@ -270,33 +272,37 @@ std::vector<double> midpoints(double lower, double upper, int count) {
   return result;
 }
 
-// The family of minima along which joint `k` moves.
-std::vector<Nearest> family(const ReachProblem& problem, int k, double limit, double tie, int family_points,
+// The family of minima along which joint `k` moves. Joints that only share an axis once `k` is fixed share their turns in
+// every way: what `options` says of shared turns is meant for neighbours of the arm itself.
+std::vector<Nearest> family(const ReachProblem& problem, int k, double limit, const FamilyOptions& options,
                             ReachWork& work) {
   const ReachLink& link = problem.links[static_cast<std::size_t>(k)];
-  const int few = per_parameter(family_points);
+  const int few = per_parameter(options.points);
   // First coarsely: if other joints can move on as well, this is a family of two parameters and the grid stays coarse.
-  std::vector<Nearest> coarse = slice(problem, k, midpoints(link.lower, link.upper, few), limit, tie, few, work);
+  std::vector<Nearest> coarse =
+      slice(problem, k, midpoints(link.lower, link.upper, few), limit, {options.tie, few, true}, work);
   if (static_cast<int>(coarse.size()) > 8 * few) return coarse;
 
   std::vector<int> hits;
-  const std::vector<double> values = midpoints(link.lower, link.upper, family_points);
-  std::vector<Nearest> fine = slice(problem, k, values, limit, tie, 1, work, &hits);
-  if (hits.empty() || static_cast<int>(hits.size()) > family_points / 2) return fine;
+  const FamilyOptions single{options.tie, 1, true};
+  const std::vector<double> values = midpoints(link.lower, link.upper, options.points);
+  std::vector<Nearest> fine = slice(problem, k, values, limit, single, work, &hits);
+  if (hits.empty() || static_cast<int>(hits.size()) > options.points / 2) return fine;
   // The joint moves over a small part of its range only: spend the points there.
-  const double step = (link.upper - link.lower) / family_points;
+  const double step = (link.upper - link.lower) / options.points;
   std::vector<double> closer;
   for (const int hit : hits) {
     const double middle = values[static_cast<std::size_t>(hit)];
-    const int count = family_points / static_cast<int>(hits.size());
+    const int count = options.points / static_cast<int>(hits.size());
     for (const double value : midpoints(middle - 0.5 * step, middle + 0.5 * step, count)) closer.push_back(value);
   }
-  return slice(problem, k, closer, limit, tie, 1, work);
+  return slice(problem, k, closer, limit, single, work);
 }
 
 }  // namespace
 
-std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int family_points, ReachWork& work) {
+std::vector<Nearest> all_nearest(const ReachProblem& problem, const FamilyOptions& options, ReachWork& work) {
+  const double tie = options.tie;
   if (problem.n == 0) return {{ReachJoints::Zero(), problem.target.norm()}};
   if (problem.n == 1) {
     const NearestList list = one_joint_minima(problem);
@@ -305,15 +311,15 @@ std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int fa
       if (item.distance <= list[0].distance + tie) result.push_back(item);
     }
     if (!all_equal_1(problem, tie)) return result;
-    for (const double q : midpoints(problem.links[0].lower, problem.links[0].upper, family_points)) {
+    for (const double q : midpoints(problem.links[0].lower, problem.links[0].upper, options.points)) {
       result.push_back({{q, 0.0, 0.0}, with_joint_fixed(problem, 0, q).target.norm()});
     }
     return result;
   }
   if (const std::optional<Coaxial> pair = find_coaxial(problem)) {
     // A family of the merged arm makes this one of two parameters: few points along either.
-    const int few = per_parameter(family_points);
-    return all_splits(*pair, all_nearest(merged(problem, *pair), tie, few, work), family_points);
+    const FamilyOptions few{tie, per_parameter(options.points), options.shared_turns};
+    return all_splits(*pair, all_nearest(merged(problem, *pair), few, work), options);
   }
 
   if (const std::optional<ClosedForm> closed = closed_form(problem, tie); closed && closed->complete) {
@@ -322,7 +328,7 @@ std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int fa
     std::copy_if(list.begin(), list.end(), std::back_inserter(result),
                  [&](const Nearest& item) { return item.distance <= list[0].distance + tie; });
     if (closed->family_joint >= 0) {
-      append(result, family(problem, closed->family_joint, list[0].distance + tie, tie, family_points, work));
+      append(result, family(problem, closed->family_joint, list[0].distance + tie, options, work));
     }
     return result;
   }
@@ -340,7 +346,7 @@ std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int fa
   }
   for (int k = 0; k < problem.n; ++k) {
     if (!moves[static_cast<std::size_t>(k)]) continue;
-    append(result, family(problem, k, limit, tie, family_points, work));
+    append(result, family(problem, k, limit, options, work));
   }
   return result;
 }

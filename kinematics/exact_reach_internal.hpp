@@ -85,8 +85,15 @@ struct ReachWork {
 /// One posture of least distance.
 [[nodiscard]] Nearest nearest(const ReachProblem& problem, ReachWork& work);
 
-/// Every posture within `tie` of the least distance: isolated ones, and families at about `family_points` points.
-[[nodiscard]] std::vector<Nearest> all_nearest(const ReachProblem& problem, double tie, int family_points,
+/// Which postures count, and how densely families of them are sampled; see IkOptions.
+struct FamilyOptions {
+  double tie = 0.0;  ///< [m]
+  int points = 1;
+  bool shared_turns = true;
+};
+
+/// Every posture within `tie` of the least distance: isolated ones, and families at about `points` points.
+[[nodiscard]] std::vector<Nearest> all_nearest(const ReachProblem& problem, const FamilyOptions& options,
                                                ReachWork& work);
 
 }  // namespace modsearch::internal

@@ -40,7 +40,8 @@ IkSolution exact_solution(const Arm& arm, const PoseRegion& region, const IkOpti
   IkSolution solution;
   solution.exact = true;
   if (options.all) {
-    for (const internal::Nearest& item : internal::all_nearest(problem, options.tie, options.family_points, work)) {
+    const internal::FamilyOptions families{options.tie, options.family_points, options.shared_turns};
+    for (const internal::Nearest& item : internal::all_nearest(problem, families, work)) {
       solution.postures.push_back(posture_of(arm.chain(), item.q));
     }
   } else {

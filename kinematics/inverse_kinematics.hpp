@@ -20,6 +20,9 @@ struct IkOptions {
   int family_points = 256;
   /// All equally close postures are wanted; false: one is enough, which is much cheaper.
   bool all = true;
+  /// Two joints about one line can share a turn in a family of ways. false: one way is enough, because what stands between
+  /// them looks alike from all sides. At most three joints and a ball; otherwise ignored.
+  bool shared_turns = true;
 };
 
 /// Postures that bring the tip as close to a region as the arm can.

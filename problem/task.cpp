@@ -21,10 +21,11 @@ struct Candidate {
 bool looks_at_obstacles(Level level) { return level != Level::kNone; }
 bool looks_at_itself(Level level) { return level == Level::kPostureSelf || level == Level::kPath; }
 
-Candidate candidate(const Arm& arm, const Scene& scene, Level level, const Eigen::VectorXd& q, Work& work) {
+// `posture`: memory to work in, kept between calls.
+Candidate candidate(const Arm& arm, const Scene& scene, Level level, const Eigen::VectorXd& q, Posture& posture,
+                    Work& work) {
   Candidate result{.q = q};
   if (!looks_at_obstacles(level)) return result;
-  Posture posture;
   arm.forward(q.data(), posture);
   ++work.forward;
   result.obstacle_clearance = scene.clearance(arm, posture, work);
@@ -34,12 +35,47 @@ Candidate candidate(const Arm& arm, const Scene& scene, Level level, const Eigen
 
 // Among equally close postures the one with the largest clearance counts; the first of these if several tie.
 Candidate best_candidate(const Arm& arm, const Scene& scene, Level level, const IkSolution& ik, Work& work) {
-  Candidate best = candidate(arm, scene, level, ik.postures.front(), work);
+  Posture posture;
+  Candidate best = candidate(arm, scene, level, ik.postures.front(), posture, work);
   for (std::size_t i = 1; i < ik.postures.size(); ++i) {
-    Candidate other = candidate(arm, scene, level, ik.postures[i], work);
+    Candidate other = candidate(arm, scene, level, ik.postures[i], posture, work);
     if (other.clearance() > best.clearance()) best = std::move(other);
   }
   return best;
+}
+
+// Whether turning the frame of the shape about its z axis leaves the shape where it is.
+bool turns_invisibly(const ArmGeometry& geometry) {
+  constexpr double kRounding = 1e-12;  // [m]: a body moves by less than that
+  const Eigen::Vector3d centre = geometry.X_FG.translation();
+  const Eigen::Vector3d axis = geometry.X_FG.linear().col(2);
+  if (std::hypot(centre.x(), centre.y()) > kRounding) return false;
+  if (std::holds_alternative<Sphere>(geometry.shape)) return true;
+  const Shape& shape = geometry.shape;
+  if (!std::holds_alternative<Cylinder>(shape) && !std::holds_alternative<Capsule>(shape)) return false;
+  return std::hypot(axis.x(), axis.y()) <= kRounding;
+}
+
+// Whether bodies move when two neighbouring joints about one line share a turn differently: only those between the two.
+bool shared_turns_show(const Arm& arm) {
+  constexpr double kNearlyCoaxial = 1e-9;  // wider than what inverse kinematics takes for one line
+  const auto coaxial_with_next = [&](int j) {
+    const Joint* joint = arm.chain().joints().data() + j;
+    if (!joint[0].rotates() || !joint[1].rotates()) return false;
+    const Eigen::Isometry3d& X = arm.segment(j + 1);
+    return std::hypot(X(0, 2), X(1, 2)) < kNearlyCoaxial && std::hypot(X(0, 3), X(1, 3)) < kNearlyCoaxial;
+  };
+  return std::any_of(arm.geometries().begin(), arm.geometries().end(), [&](const ArmGeometry& geometry) {
+    const int j = geometry.frame - 1;  // the joint that moves it
+    return j >= 0 && j + 1 < arm.n_joints() && coaxial_with_next(j) && !turns_invisibly(geometry);
+  });
+}
+
+// Whether turning the only joint moves anything that can be seen: an arm of links on a turning base does not.
+bool single_turn_shows(const Arm& arm) {
+  if (arm.n_joints() != 1 || !arm.chain().joints().front().rotates()) return true;
+  return !std::all_of(arm.geometries().begin(), arm.geometries().end(),
+                      [](const ArmGeometry& geometry) { return geometry.frame == 0 || turns_invisibly(geometry); });
 }
 
 // Nothing can collide: one posture is as good as another.
@@ -109,7 +145,10 @@ Attempt Task::attempt(const Arm& arm, const Scene& scene, const AttemptOptions& 
   attempt.why = Failure::kNone;
   attempt.postures.resize(static_cast<Eigen::Index>(goals().size()), arm.n_joints());
   IkOptions ik_options = options.ik;
-  ik_options.all = clearance_matters(arm, scene, options.level);
+  const bool choosy = clearance_matters(arm, scene, options.level);
+  // Postures that place every body alike need not be told apart.
+  ik_options.all = choosy && single_turn_shows(arm);
+  ik_options.shared_turns = options.ik.shared_turns && shared_turns_show(arm);
 
   Failure collision = Failure::kNone;
   Eigen::Index row = 0;
@@ -123,8 +162,8 @@ Attempt Task::attempt(const Arm& arm, const Scene& scene, const AttemptOptions& 
       attempt.why = Failure::kUnreachable;
       attempt.relative_error += ik.position_error / std::max((goal.position() - options.p_WB).norm(), 1e-9);
     }
-    const Candidate chosen = ik_options.all ? best_candidate(arm, scene, options.level, ik, attempt.work)
-                                            : Candidate{.q = ik.postures.front()};
+    const Candidate chosen =
+        choosy ? best_candidate(arm, scene, options.level, ik, attempt.work) : Candidate{.q = ik.postures.front()};
     attempt.postures.row(row++) = chosen.q.transpose();
     attempt.clearance = std::min(attempt.clearance, chosen.obstacle_clearance);
     if (collision == Failure::kNone && chosen.obstacle_clearance < 0.0) collision = Failure::kObstacle;

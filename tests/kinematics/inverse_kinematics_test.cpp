@@ -388,6 +388,19 @@ TEST(InverseKinematics, SamplesAOneParameterFamilyAt256Points) {
   EXPECT_NEAR(solution.postures.front()[1], 0.0, 1e-12);  // the plain one leaves the rotary alone
 }
 
+TEST(InverseKinematics, GivesOneWayToShareATurnWhereNoOtherIsAskedFor) {
+  const Chain chain = seed_chain("rh");
+  const Arm arm = chain.at(Eigen::Vector4d{0.6, 0.8, 0.5, 0.7});
+  const PoseRegion region = PoseRegion::ball({0.5, 0.4, 1.6}, kTolerance);
+  IkOptions one_way;
+  one_way.shared_turns = false;
+  const IkSolution one = inverse_kinematics(arm, region, one_way);
+  const IkSolution all = inverse_kinematics(arm, region);
+  EXPECT_THAT(one.postures, SizeIs(1));
+  EXPECT_EQ(one.postures.front(), all.postures.front());
+  EXPECT_EQ(one.position_error, all.position_error);
+}
+
 TEST(InverseKinematics, SamplesTheFamilyOfAWristThatReachesAWholeSphere) {
   const Chain chain = seed_chain("hr");
   const Arm arm = chain.at(Eigen::Vector4d{0.5, 0.6, 0.5, 0.9});
