@@ -74,3 +74,7 @@
 #include <modsearch/rl/settings.hpp>
 #include <modsearch/rl/training.hpp>
 #include <modsearch/rl/training_csv.hpp>
+
+#include <modsearch/study/environment_page.hpp>
+#include <modsearch/study/page.hpp>
+#include <modsearch/study/solution_page.hpp>

@@ -8,9 +8,9 @@
 #include <limits>
 #include <modsearch/rl/settings.hpp>
 #include <modsearch/solvers/verification.hpp>
+#include <modsearch/study/solution_page.hpp>
 
 #include "app/output_internal.hpp"
-#include "app/page_of_solution.hpp"
 #include "app/progress.hpp"
 #include "app/report_internal.hpp"
 #include "app/solver_registry.hpp"

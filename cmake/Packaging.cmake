@@ -1,4 +1,4 @@
-# The installed package: find_package(modsearch CONFIG) gives modsearch::kinematics, ::problem, ::solvers, ::baselines, ::rl.
+# The installed package: find_package(modsearch CONFIG) gives modsearch::kinematics, ::problem, ::solvers, ::baselines, ::rl, ::study.
 install(EXPORT modsearchTargets NAMESPACE modsearch:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/modsearch)
 configure_package_config_file(cmake/modsearchConfig.cmake.in "${PROJECT_BINARY_DIR}/modsearchConfig.cmake"
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/modsearch)
@@ -12,5 +12,5 @@ add_library(modsearch_umbrella INTERFACE)
 file(MAKE_DIRECTORY "${PROJECT_BINARY_DIR}/include/umbrella/modsearch")
 file(CREATE_LINK "${PROJECT_SOURCE_DIR}/modsearch.hpp"
      "${PROJECT_BINARY_DIR}/include/umbrella/modsearch/modsearch.hpp" SYMBOLIC)
-target_link_libraries(modsearch_umbrella INTERFACE modsearch_rl modsearch_baselines)
+target_link_libraries(modsearch_umbrella INTERFACE modsearch_study)
 target_include_directories(modsearch_umbrella INTERFACE "${PROJECT_BINARY_DIR}/include/umbrella")

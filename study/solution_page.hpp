@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace modsearch::app {
+namespace modsearch {
 
 /// What the page shows beside the solution itself.
 struct PageContext {
@@ -21,4 +21,4 @@ struct PageContext {
 [[nodiscard]] Page page_of_solution(const RobotProblem& problem, const SolutionRecord& record,
                                     const PageContext& context);
 
-}  // namespace modsearch::app
+}  // namespace modsearch

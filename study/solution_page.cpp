@@ -1,11 +1,11 @@
-#include "app/page_of_solution.hpp"
+#include <modsearch/study/solution_page.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>
 
-namespace modsearch::app {
+namespace modsearch {
 namespace {
 
 PagePose page_pose(const Eigen::Isometry3d& X) {
@@ -198,4 +198,4 @@ Page page_of_solution(const RobotProblem& problem, const SolutionRecord& record,
   return page;
 }
 
-}  // namespace modsearch::app
+}  // namespace modsearch
