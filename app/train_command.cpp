@@ -132,17 +132,16 @@ bool has_finite_weights(const Policy& policy) {
 nlohmann::ordered_json summary_json(const TrainArguments& arguments, const ChosenAgent& chosen,
                                     const Training& training) {
   nlohmann::ordered_json json;
-  const EvaluationPoint last = training.history.empty() ? EvaluationPoint{} : training.history.back();
   json["problem"] = arguments.problem;
   json["agent"] = name(chosen.settings.kind);
   json["preset"] = chosen.preset;
   json["seed"] = arguments.seed;
   json["end"] = name(training.end);
-  json["episodes"] = last.episode;
-  json["steps"] = last.steps;
-  json["updates"] = last.updates;
+  json["episodes"] = training.episodes;
+  json["steps"] = training.steps;
+  json["updates"] = training.updates;
   json["evaluations"] = training.spent.evaluations;
-  json["seconds"] = last.seconds;
+  json["seconds"] = training.seconds;
   const std::optional<std::int64_t> stabilised = stabilised_after(training.history);
   json["stabilisedAfter"] = stabilised ? nlohmann::ordered_json(*stabilised) : nlohmann::ordered_json(nullptr);
   if (training.end != TrainingEnd::kInterrupted) {

@@ -45,6 +45,10 @@ Training AgentLearner::train(const ProblemSource& source, Meter& meter, Rng rng)
   }
   meter.count(trainer.work());
   training.history = trainer.history();
+  training.episodes = trainer.episode();
+  training.steps = trainer.steps();
+  training.updates = trainer.updates();
+  training.seconds = trainer.seconds();
   training.policy = std::make_unique<Policy>(settings_, *agent);
   training.spent = meter.progress();
   return training;

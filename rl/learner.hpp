@@ -18,6 +18,10 @@ struct Training {
   std::vector<EvaluationPoint> history;
   EvaluationSummary final_evaluation;  ///< greedy episodes after the end
   TrainingEnd end = TrainingEnd::kEpisodes;
+  std::int64_t episodes = 0;  ///< of training, those before a checkpoint included; the same for steps, updates, seconds
+  std::int64_t steps = 0;
+  std::int64_t updates = 0;
+  double seconds = 0.0;  ///< wall clock, evaluations left out
   Progress spent;  ///< evaluations of training and its evaluations, inner work included; use is metered apart
 };
 
