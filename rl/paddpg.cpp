@@ -19,10 +19,7 @@ Paddpg::Paddpg(HybridSpace space, int observation_size, AgentOptions options, Rn
     : space_{std::move(space)},
       observation_size_{observation_size},
       options_{std::move(options)},
-      mu_{space_, observation_size, space_.n_actions(), options_, rng},
-      mu_target_{mu_},
-      mu_adam_{mu_.parameters().size(), options_.adam()},
-      mu_gradient_{Eigen::VectorXf::Zero(mu_.parameters().size())} {
+      actor_{space_, observation_size, space_.n_actions(), options_, rng} {
   for (std::uint64_t i = 0; i < (options_.td3.twin ? 2U : 1U); ++i) {
     Mlp q{{.inputs = observation_size + memory_size(),
            .hidden = options_.value_hidden,
@@ -37,7 +34,7 @@ Paddpg::Paddpg(HybridSpace space, int observation_size, AgentOptions options, Rn
 
 // (a, x) = mu(s), k = argmax a
 HybridAction Paddpg::do_greedy(const Eigen::VectorXf& s, ActionMask mask) {
-  const Eigen::VectorXf out = mu_.forward_one(s);
+  const Eigen::VectorXf out = actor_.mu.forward_one(s);
   HybridAction action;
   action.preferences = out.head(space_.n_actions());
   action.x = out.tail(space_.n_parameters());
@@ -68,13 +65,13 @@ UpdateFacts Paddpg::update(const Batch& batch, Rng& rng) {
   for (Critic& critic : critics_) {
     soft_update(critic.q_target.parameters(), critic.q.parameters(), static_cast<float>(options_.value_tau));
   }
-  soft_update(mu_target_.parameters(), mu_.parameters(), static_cast<float>(options_.actor_tau));
+  actor_.follow();
   return facts;
 }
 
 // y = r + gamma (1 - d) Q'(s', mu'(s')); gamma (1 - d) is the batch's discount.
 Eigen::VectorXf Paddpg::targets(const Batch& batch, Rng& rng) {
-  RowMatrixXf next = mu_target_.forward(batch.s_next);
+  RowMatrixXf next = actor_.target.forward(batch.s_next);
   add_smoothing_noise(options_.td3, rng, next);
   const RowMatrixXf input = beside(batch.s_next, next);
   Eigen::VectorXf q = critics_.front().q_target.forward(input, critics_.front().target_pass).col(0);
@@ -100,7 +97,7 @@ void Paddpg::learn_values(const Batch& batch, const Eigen::VectorXf& y, UpdateFa
 
 // J = mean_B Q(s, mu(s)); preferences and parameters alike are inverted at -1 and 1.
 void Paddpg::learn_actor(const Batch& batch, UpdateFacts& facts) {
-  const RowMatrixXf& action = mu_.forward(batch.s);
+  const RowMatrixXf& action = actor_.mu.forward(batch.s);
   RowMatrixXf g = RowMatrixXf::Zero(action.rows(), action.cols());
   if (options_.model.critic != 0.0) {
     Critic& critic = critics_.front();
@@ -113,23 +110,12 @@ void Paddpg::learn_actor(const Batch& batch, UpdateFacts& facts) {
     const int n = space_.n_parameters();
     facts.work += add_model_gradient(batch, space_, options_.model, action.rightCols(n), g.rightCols(n));
   }
-  if (options_.invert_gradients) invert_gradients(g, action, static_cast<float>(options_.invert_bound));
-  mu_gradient_.setZero();
-  mu_.backward(-g, mu_gradient_);
-  facts.actor_gradient =
-      mu_adam_.step(mu_.parameters(), mu_gradient_, static_cast<float>(options_.actor_rate * rate_factor_));
+  facts.actor_gradient = actor_.climb(std::move(g), action, options_.actor_rate * rate_factor_);
 }
 
 std::vector<StatePart> Paddpg::state() {
-  std::vector<StatePart> parts{state_part("mu", mu_.parameters(), true),
-                               state_part("mu.passthrough", mu_.passthrough(), true),
-                               state_part("mu.target", mu_target_.parameters()),
-                               state_part("mu.target.passthrough", mu_target_.passthrough()),
-                               state_part("mu.adam.m", mu_adam_.m),
-                               state_part("mu.adam.v", mu_adam_.v),
-                               state_part("mu.adam.steps", mu_adam_.steps),
-                               state_part("rate_factor", rate_factor_),
-                               state_part("updates", updates_)};
+  std::vector<StatePart> parts{state_part("rate_factor", rate_factor_), state_part("updates", updates_)};
+  actor_.append_state(parts);
   for (std::size_t i = 0; i < critics_.size(); ++i) {
     Critic& critic = critics_[i];
     const std::string q = fmt::format("q{}", i);

@@ -47,10 +47,7 @@ class Paddpg final : public Agent {
   int observation_size_;
   AgentOptions options_;
   std::vector<Critic> critics_;  // one, or two of TD3
-  ParameterActor mu_;
-  ParameterActor mu_target_;
-  Adam mu_adam_;
-  Eigen::VectorXf mu_gradient_;
+  LearningActor actor_;
   RowMatrixXf d_inputs_;
   double rate_factor_ = 1.0;
   std::int64_t updates_ = 0;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <modsearch/rl/actor_gradient.hpp>
 #include <modsearch/rl/parameter_actor.hpp>
 #include <stdexcept>
 
@@ -59,6 +60,35 @@ Eigen::VectorXf ParameterActor::forward_one(const Eigen::VectorXf& s) {
 
 void ParameterActor::backward(const RowMatrixXf& d_outputs, Eigen::VectorXf& gradient) {
   network_.backward(d_outputs, pass_, &gradient, nullptr);
+}
+
+LearningActor::LearningActor(const HybridSpace& space, int observation_size, int n_heads, const AgentOptions& options,
+                             Rng rng)
+    : mu{space, observation_size, n_heads, options, rng},
+      target{mu},
+      invert_{options.invert_gradients},
+      bound_{static_cast<float>(options.invert_bound)},
+      tau_{static_cast<float>(options.actor_tau)},
+      adam_{mu.parameters().size(), options.adam()},
+      gradient_{Eigen::VectorXf::Zero(mu.parameters().size())} {}
+
+double LearningActor::climb(RowMatrixXf g, const RowMatrixXf& outputs, double rate) {
+  if (invert_) invert_gradients(g, outputs, bound_);
+  gradient_.setZero();
+  mu.backward(-g, gradient_);
+  return adam_.step(mu.parameters(), gradient_, static_cast<float>(rate));
+}
+
+void LearningActor::follow() { soft_update(target.parameters(), mu.parameters(), tau_); }
+
+void LearningActor::append_state(std::vector<StatePart>& parts) {
+  parts.push_back(state_part("mu", mu.parameters(), true));
+  parts.push_back(state_part("mu.passthrough", mu.passthrough(), true));
+  parts.push_back(state_part("mu.target", target.parameters()));
+  parts.push_back(state_part("mu.target.passthrough", target.passthrough()));
+  parts.push_back(state_part("mu.adam.m", adam_.m));
+  parts.push_back(state_part("mu.adam.v", adam_.v));
+  parts.push_back(state_part("mu.adam.steps", adam_.steps));
 }
 
 }  // namespace modsearch

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <modsearch/rl/adam.hpp>
 #include <modsearch/rl/agent.hpp>
 #include <modsearch/rl/agent_options.hpp>
 #include <modsearch/rl/mlp.hpp>
@@ -32,6 +33,31 @@ class ParameterActor {
   RowMatrixXf outputs_;
   int n_heads_;
   bool has_passthrough_ = false;  // W or b is not 0
+};
+
+/// A parameter actor that learns: mu, its slowly following target mu', and what the learning remembers.
+class LearningActor {
+ public:
+  /// See ParameterActor.
+  LearningActor(const HybridSpace& space, int observation_size, int n_heads, const AgentOptions& options, Rng rng);
+
+  ParameterActor mu;
+  ParameterActor target;
+
+  /// One step of Adam along dJ/dmu [B x (n_heads + D)] at `outputs`, the last forward of mu, inverted at the bounds
+  /// unless the options say otherwise. Returns the norm of the gradient in the weights before clipping.
+  double climb(RowMatrixXf g, const RowMatrixXf& outputs, double rate);
+  /// The target follows mu.
+  void follow();
+  /// Adds its memory to `parts`.
+  void append_state(std::vector<StatePart>& parts);
+
+ private:
+  bool invert_;
+  float bound_;
+  float tau_;
+  Adam adam_;
+  Eigen::VectorXf gradient_;
 };
 
 }  // namespace modsearch

@@ -10,10 +10,7 @@ Pdqn::Pdqn(ValueKind kind, HybridSpace space, int observation_size, AgentOptions
       space_{std::move(space)},
       observation_size_{observation_size},
       options_{std::move(options)},
-      mu_{space_, observation_size, 0, options_, rng},
-      mu_target_{mu_},
-      mu_adam_{mu_.parameters().size(), options_.adam()},
-      mu_gradient_{Eigen::VectorXf::Zero(mu_.parameters().size())} {
+      actor_{space_, observation_size, 0, options_, rng} {
   const ActionValues::Options values{.observation_size = observation_size,
                                      .hidden = options_.value_hidden,
                                      .leak = static_cast<float>(options_.leak),
@@ -41,7 +38,7 @@ std::string Pdqn::name() const {
 // k = argmax_k Q(s, mu(s))_k
 HybridAction Pdqn::do_greedy(const Eigen::VectorXf& s, ActionMask mask) {
   HybridAction action;
-  action.x = mu_.forward_one(s).cwiseMax(-1.0F).cwiseMin(1.0F);
+  action.x = actor_.mu.forward_one(s).cwiseMax(-1.0F).cwiseMin(1.0F);
   action.k = best_action(critics_.front().q->forward_one(s, action.x), mask);
   return action;
 }
@@ -55,13 +52,13 @@ UpdateFacts Pdqn::update(const Batch& batch, Rng& rng) {
   for (Critic& critic : critics_) {
     soft_update(critic.q_target->parameters(), critic.q->parameters(), static_cast<float>(options_.value_tau));
   }
-  soft_update(mu_target_.parameters(), mu_.parameters(), static_cast<float>(options_.actor_tau));
+  actor_.follow();
   return facts;
 }
 
 // y = r + gamma (1 - d) max_k Q'(s', mu'(s'))_k; gamma (1 - d) is the batch's discount.
 Eigen::VectorXf Pdqn::targets(const Batch& batch, Rng& rng) {
-  RowMatrixXf x_next = mu_target_.forward(batch.s_next);
+  RowMatrixXf x_next = actor_.target.forward(batch.s_next);
   add_smoothing_noise(options_.td3, rng, x_next);
   RowMatrixXf q = critics_.front().q_target->forward(batch.s_next, x_next);
   for (std::size_t i = 1; i < critics_.size(); ++i) {
@@ -90,7 +87,7 @@ void Pdqn::learn_values(const Batch& batch, const Eigen::VectorXf& y, UpdateFact
 
 // J = mean_B sum_k w_k Q(s, mu(s))_k; the actor follows dJ/dx, inverted at the bounds, through mu.
 void Pdqn::learn_actor(const Batch& batch, Rng& rng, UpdateFacts& facts) {
-  const RowMatrixXf& x = mu_.forward(batch.s);
+  const RowMatrixXf& x = actor_.mu.forward(batch.s);
   RowMatrixXf g = RowMatrixXf::Zero(x.rows(), x.cols());
   if (options_.model.critic != 0.0) {
     ActionValues& q = *critics_.front().q;
@@ -101,11 +98,7 @@ void Pdqn::learn_actor(const Batch& batch, Rng& rng, UpdateFacts& facts) {
   if (options_.model.reach != 0.0 || options_.model.mass != 0.0) {
     facts.work += add_model_gradient(batch, space_, options_.model, x, g);
   }
-  if (options_.invert_gradients) invert_gradients(g, x, static_cast<float>(options_.invert_bound));
-  mu_gradient_.setZero();
-  mu_.backward(-g, mu_gradient_);
-  facts.actor_gradient =
-      mu_adam_.step(mu_.parameters(), mu_gradient_, static_cast<float>(options_.actor_rate * rate_factor_));
+  facts.actor_gradient = actor_.climb(std::move(g), x, options_.actor_rate * rate_factor_);
 }
 
 // dJ/dQ [B x K]: the weights w_k, divided by B.
@@ -135,15 +128,8 @@ RowMatrixXf Pdqn::weights(const Batch& batch, Rng& rng) const {
 }
 
 std::vector<StatePart> Pdqn::state() {
-  std::vector<StatePart> parts{state_part("mu", mu_.parameters(), true),
-                               state_part("mu.passthrough", mu_.passthrough(), true),
-                               state_part("mu.target", mu_target_.parameters()),
-                               state_part("mu.target.passthrough", mu_target_.passthrough()),
-                               state_part("mu.adam.m", mu_adam_.m),
-                               state_part("mu.adam.v", mu_adam_.v),
-                               state_part("mu.adam.steps", mu_adam_.steps),
-                               state_part("rate_factor", rate_factor_),
-                               state_part("updates", updates_)};
+  std::vector<StatePart> parts{state_part("rate_factor", rate_factor_), state_part("updates", updates_)};
+  actor_.append_state(parts);
   for (std::size_t i = 0; i < critics_.size(); ++i) {
     Critic& critic = critics_[i];
     const std::string q = fmt::format("q{}", i);
