@@ -144,7 +144,8 @@ nlohmann::ordered_json summary_json(const TrainArguments& arguments, const Chose
   json["seconds"] = training.seconds;
   const std::optional<std::int64_t> stabilised = stabilised_after(training.history);
   json["stabilisedAfter"] = stabilised ? nlohmann::ordered_json(*stabilised) : nlohmann::ordered_json(nullptr);
-  if (training.end != TrainingEnd::kInterrupted) {
+  const bool done = training.end == TrainingEnd::kEpisodes || training.end == TrainingEnd::kPatience;
+  if (done && chosen.settings.training.final_episodes > 0) {
     const EvaluationSummary& e = training.final_evaluation;
     json["final"] = {{"episodes", chosen.settings.training.final_episodes},
                      {"meanReturn", e.mean_return},
@@ -214,10 +215,10 @@ Status train(const TrainArguments& arguments, const CommonArguments& common, std
 
   nlohmann::ordered_json json = summary_json(arguments, chosen, training);
   const auto& policy = dynamic_cast<const Policy&>(*training.policy);
-  const bool diverged = !has_finite_weights(policy);
+  const bool diverged = training.end == TrainingEnd::kDiverged || !has_finite_weights(policy);
   json["diverged"] = diverged;
   std::string text = summary_text(json);
-  if (diverged) text += "diverged     some weights are infinite or NaN: no policy is kept\n";
+  if (diverged) text += "diverged     the numbers left all bounds, so no policy is kept; smaller learning rates may help\n";
   if (arguments.out) {
     PolicyFile::Facts facts{.version = MODSEARCH_VERSION,
                             .preset = chosen.preset,
@@ -227,12 +228,14 @@ Status train(const TrainArguments& arguments, const CommonArguments& common, std
                             .updates = json["updates"].get<std::int64_t>(),
                             .seconds = json["seconds"].get<double>(),
                             .mean_return = std::nullopt};
-    if (training.end != TrainingEnd::kInterrupted) facts.mean_return = training.final_evaluation.mean_return;
+    if (json.contains("final")) facts.mean_return = training.final_evaluation.mean_return;
     const std::filesystem::path path = *arguments.out / "policy.json";
-    write_policy(path,
-                 describe(policy, *file.spec.library, problem_reference(arguments.problem, *arguments.out), facts));
-    json["files"] = {path.string(), (*arguments.out / "training.csv").string(),
-                     (*arguments.out / kCheckpoint).string()};
+    if (!diverged) {
+      const std::string problem = problem_reference(arguments.problem, *arguments.out);
+      write_policy(path, describe(policy, *file.spec.library, problem, facts));
+      json["files"].push_back(path.string());
+    }
+    for (const char* name : {"training.csv", kCheckpoint}) json["files"].push_back((*arguments.out / name).string());
     for (const auto& written : json["files"]) text += fmt::format("wrote        {}\n", written.get<std::string>());
   }
   if (common.json) {

@@ -1,12 +1,44 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <modsearch/rl/agents.hpp>
 #include <modsearch/rl/dqn.hpp>
 #include <modsearch/rl/paddpg.hpp>
 #include <modsearch/rl/pdqn.hpp>
+#include <stdexcept>
 
 namespace modsearch {
 namespace {
+
+void check(const AgentOptions& options) {
+  const auto require = [](bool holds, const char* what, double value, const char* limit) {
+    if (!holds) throw std::invalid_argument(fmt::format("agent: {} = {}, not in {}", what, value, limit));
+  };
+  const auto share = [&](const char* what, double value) {
+    require(value >= 0.0 && value <= 1.0, what, value, "[0, 1]");
+  };
+  const auto positive = [&](const char* what, double value) {
+    require(value > 0.0 && std::isfinite(value), what, value, "(0, inf)");
+  };
+  const auto not_negative = [&](const char* what, double value) {
+    require(value >= 0.0 && std::isfinite(value), what, value, "[0, inf)");
+  };
+  share("gamma", options.gamma);
+  share("tau of the values", options.value_tau);
+  share("tau of the actor", options.actor_tau);
+  share("share of the whole return in targets", options.mixed_target);
+  positive("learning rate of the values", options.value_rate);
+  positive("learning rate of the actor", options.actor_rate);
+  positive("width of the model gradient", options.model.width);
+  require(options.invert_bound >= 1.0, "bound of inverted gradients", options.invert_bound, "[1, inf)");
+  require(options.td3.delay >= 1, "updates of the values per update of the actor", options.td3.delay, "[1, ..)");
+  not_negative("smoothing of the target parameters", options.td3.smoothing);
+  not_negative("clip of that smoothing", options.td3.smoothing_clip);
+  not_negative("deviation of the passthrough's bias", options.passthrough_bias_deviation);
+  not_negative("deviation of the passthrough's weights", options.passthrough_weight_deviation);
+}
 
 constexpr std::array kKinds{AgentKind::kPdqn, AgentKind::kMpdqn, AgentKind::kSpdqn, AgentKind::kPaddpg,
                             AgentKind::kDqn};
@@ -54,6 +86,7 @@ std::span<const AgentKind> agent_kinds() { return kKinds; }
 
 std::unique_ptr<Agent> make_agent(AgentKind kind, const HybridSpace& space, int observation_size,
                                   const AgentOptions& options, Rng rng) {
+  check(options);
   switch (kind) {
     case AgentKind::kPdqn:
       return std::make_unique<Pdqn>(ValueKind::kJoint, space, observation_size, options, rng);

@@ -25,6 +25,11 @@ void check(const TrainingOptions& options) {
   require(options.decay_to > 0.0 && options.decay_to <= 1.0, "end of the decay", options.decay_to, "(0, 1]");
   require(options.elite_share >= 0.0 && options.elite_share <= 1.0, "share of the elite", options.elite_share,
           "[0, 1]");
+  require(options.final_episodes >= 0, "final episodes", options.final_episodes, "[0, ..)");
+  require(options.acting.polish >= 0, "steps of the polish", options.acting.polish, "[0, ..)");
+  require(options.acting.proposals >= 1, "proposals", options.acting.proposals, "[1, ..)");
+  require(options.acting.proposal_deviation >= 0.0, "deviation of the proposals", options.acting.proposal_deviation,
+          "[0, inf)");
   require(options.hindsight >= 0, "hindsight transitions per step", options.hindsight, "[0, ..)");
 }
 
@@ -46,6 +51,8 @@ std::string_view name(TrainingEnd end) {
       return "patience";
     case TrainingEnd::kInterrupted:
       return "interrupted";
+    case TrainingEnd::kDiverged:
+      return "diverged";
   }
   return "";
 }
@@ -82,6 +89,7 @@ TrainingEnd Trainer::run(const Observer& observer, const std::function<bool()>& 
     const auto start = std::chrono::steady_clock::now();
     train_episode();
     seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (diverged_) return TrainingEnd::kDiverged;
     if (episode_ % options_.evaluate_every != 0) continue;
     evaluate_now();
     if (observer && !observer(*this)) return TrainingEnd::kInterrupted;
@@ -104,7 +112,7 @@ void Trainer::train_episode() {
   exploration_.begin_episode();
   double episode_return = 0.0;
   bool success = false;
-  while (environment_->running()) {
+  while (environment_->running() && !diverged_) {
     Transition t;
     t.s = environment_->observation();
     t.model = environment_->model();
@@ -148,12 +156,14 @@ void Trainer::learn(std::int64_t updates) {
   }
   const int elite =
       elite_ && !elite_->empty() ? static_cast<int>(std::lround(options_.elite_share * options_.batch)) : 0;
-  for (; updates > 0; --updates) {
+  for (; updates > 0 && !diverged_; --updates) {
     Rng draw = rng_.fork("update").fork(static_cast<std::uint64_t>(updates_++));
     batch_.resize(options_.batch, agent_.observation_size(), agent_.memory_size());
     replay_.sample(draw, 0, options_.batch - elite, batch_);
     if (elite > 0) elite_->sample(draw, options_.batch - elite, elite, batch_);
     const UpdateFacts facts = agent_.update(batch_, draw);
+    diverged_ = !std::isfinite(facts.value_loss) || !std::isfinite(facts.value_gradient) ||
+                !std::isfinite(facts.actor_gradient);
     loss_sum_ += facts.value_loss;
     work_ += facts.work;
   }

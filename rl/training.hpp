@@ -62,8 +62,9 @@ enum class TrainingEnd {
   kEpisodes,     ///< all episodes are done
   kPatience,     ///< no new best for too long
   kInterrupted,  ///< somebody asked to stop
+  kDiverged,     ///< a loss or a gradient is infinite or NaN: learning rates that are too large, mostly
 };
-/// "episodes", "patience", "interrupted".
+/// "episodes", "patience", "interrupted", "diverged".
 [[nodiscard]] std::string_view name(TrainingEnd end);
 
 /// Training episodes until the first of `in_a_row` consecutive evaluations whose episodes all succeed in one step; the
@@ -134,6 +135,7 @@ class Trainer {
   std::int64_t best_evaluation_ = -1;  // index into history_
   std::vector<std::byte> best_policy_;
   std::vector<EvaluationPoint> history_;
+  bool diverged_ = false;
 };
 
 }  // namespace modsearch

@@ -491,9 +491,11 @@ TEST(TrainCommand, GoesOnFromItsCheckpointToTheSamePolicy) {
 TEST(TrainCommand, EndsAtCtrlCWithACheckpointThatLeadsToTheSamePolicy) {
   const TemporaryFolder folder;
   const auto words = [&](const std::string& name) {
-    return std::vector<std::string>{"train", "seed/random_narrow", "--agent",
-                                    "mpdqn:preset=report,episodes=1500,final_episodes=1,evaluation_episodes=1", "--quiet",
-                                    "--out", folder / name};
+    return std::vector<std::string>{
+        "train",      "seed/random_narrow",
+        "--agent",    "mpdqn:preset=report,episodes=1500,final_episodes=1,evaluation_episodes=1",
+        "--quiet",    "--out",
+        folder / name};
   };
   const Outcome whole = modsearch(words("whole"), folder);
   ASSERT_EQ(whole.status, 0) << whole.err;
@@ -508,6 +510,16 @@ TEST(TrainCommand, EndsAtCtrlCWithACheckpointThatLeadsToTheSamePolicy) {
     return json::parse(read_text(folder / (name + "/policy.json")))["weights"]["crc32c"];
   };
   EXPECT_EQ(checksum("cut"), checksum("whole"));
+}
+
+TEST(TrainCommand, SaysThatATrainingHasDivergedAndKeepsNoPolicy) {
+  const TemporaryFolder folder;
+  const Outcome outcome = modsearch(
+      {"train", "seed/fixed", "--agent", "mpdqn:preset=best,value_rate=1e30", "--out", folder / "run"}, folder);
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("the numbers left all bounds"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "run/policy.json"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "run/training.csv"));
 }
 
 TEST(TrainCommand, RefusesWhatItDoesNotKnow) {

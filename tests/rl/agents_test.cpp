@@ -168,6 +168,18 @@ TEST(Passthrough, IsAddedToTheParametersAndNeverLearns) {
   }
 }
 
+TEST(MakeAgent, RefusesOptionsOutOfRange) {
+  const HybridSpace space{{1}};
+  const auto refused = [&](const AgentOptions& options) {
+    EXPECT_THROW(static_cast<void>(make_agent(AgentKind::kPdqn, space, 1, options, Rng{0})), std::invalid_argument);
+  };
+  refused({.gamma = 1.5});
+  refused({.value_rate = 0.0});
+  refused({.value_tau = 7.0});
+  refused({.invert_bound = 0.5});
+  refused({.td3 = {.delay = 0}});
+}
+
 TEST(Dqn, NumbersItsActionsOneToOne) {
   const HybridSpace space{{1, 2, 0}};
   AgentOptions options = quick_agent();

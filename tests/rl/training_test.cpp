@@ -1,11 +1,10 @@
-#include <modsearch/rl/training.hpp>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <modsearch/problem/files.hpp>
 #include <modsearch/rl/agents.hpp>
 #include <modsearch/rl/archive.hpp>
+#include <modsearch/rl/training.hpp>
 
 #include "problem/temporary_folder.hpp"
 #include "rl/toy_environments.hpp"
@@ -18,18 +17,19 @@ using testing::CorridorEnvironment;
 using testing::IdentityEnvironment;
 
 TrainingOptions short_training(std::int64_t episodes) {
-  return {.episodes = episodes,
-          .batch = 32,
-          .warm_up = 32,
-          .exploration = {.last_epsilon = 0.1, .epsilon_episodes = episodes / 2, .noise = NoiseKind::kOrnsteinUhlenbeck},
-          .evaluate_every = 10,
-          .evaluation_episodes = 3,
-          .patience = 0,
-          .decay_from = 0.5,
-          .decay_to = 0.1,
-          .elite_share = 0.25,
-          .elite_episodes = 8,
-          .keep_best = true};
+  return {
+      .episodes = episodes,
+      .batch = 32,
+      .warm_up = 32,
+      .exploration = {.last_epsilon = 0.1, .epsilon_episodes = episodes / 2, .noise = NoiseKind::kOrnsteinUhlenbeck},
+      .evaluate_every = 10,
+      .evaluation_episodes = 3,
+      .patience = 0,
+      .decay_from = 0.5,
+      .decay_to = 0.1,
+      .elite_share = 0.25,
+      .elite_episodes = 8,
+      .keep_best = true};
 }
 
 std::unique_ptr<Agent> make(const Environment& environment, AgentKind kind = AgentKind::kMpdqn) {
@@ -47,10 +47,10 @@ std::vector<std::byte> memory_of(Agent& agent) {
 std::vector<double> numbers_of(const std::vector<EvaluationPoint>& history) {
   std::vector<double> numbers;
   for (const EvaluationPoint& p : history) {
-    numbers.insert(numbers.end(), {static_cast<double>(p.episode), static_cast<double>(p.steps),
-                                   static_cast<double>(p.updates), p.epsilon, p.training_return, p.value_loss,
-                                   p.evaluation.mean_return, p.evaluation.deviation, p.evaluation.success_share,
-                                   p.evaluation.one_step_share, p.evaluation.mean_steps});
+    numbers.insert(numbers.end(),
+                   {static_cast<double>(p.episode), static_cast<double>(p.steps), static_cast<double>(p.updates),
+                    p.epsilon, p.training_return, p.value_loss, p.evaluation.mean_return, p.evaluation.deviation,
+                    p.evaluation.success_share, p.evaluation.one_step_share, p.evaluation.mean_steps});
   }
   return numbers;
 }
@@ -102,8 +102,8 @@ TEST(Trainer, EvaluatesAfterEveryNthEpisodeAndCountsWhatItDoes) {
   ASSERT_EQ(trainer.history().size(), 4U);  // after 10, 20, 30, 40
   EXPECT_EQ(trainer.history()[2].episode, 30);
   EXPECT_EQ(trainer.episode(), 45);
-  EXPECT_GE(trainer.steps(), 4 * 45);   // no episode is shorter than four strides
-  EXPECT_LE(trainer.steps(), 10 * 45);  // or longer than ten
+  EXPECT_GE(trainer.steps(), 4 * 45);                  // no episode is shorter than four strides
+  EXPECT_LE(trainer.steps(), 10 * 45);                 // or longer than ten
   EXPECT_EQ(trainer.updates(), trainer.steps() - 31);  // one per step, the first with the 32nd experience
 }
 
@@ -154,8 +154,22 @@ TEST(Trainer, RefusesOptionsOutOfRangeAndAgentsThatDoNotFit) {
   options.batch = 0;
   EXPECT_THROW((Trainer{*agent, corridor, options, Rng{1}}), std::invalid_argument);
   options = short_training(10);
+  options.acting.polish = -1;
+  EXPECT_THROW((Trainer{*agent, corridor, options, Rng{1}}), std::invalid_argument);
+  options = short_training(10);
   options.decay_to = 0.0;
   EXPECT_THROW((Trainer{*agent, corridor, options, Rng{1}}), std::invalid_argument);
+}
+
+TEST(Trainer, EndsWhenTheNumbersLeaveAllBounds) {
+  const IdentityEnvironment environment;
+  const auto agent = make_agent(AgentKind::kPdqn, environment.space(), environment.observation_size(),
+                                {.value_hidden = {16}, .actor_hidden = {16}, .value_rate = 1e30}, Rng{0});
+  TrainingOptions options = short_training(1000);
+  options.elite_share = 0.0;
+  Trainer trainer{*agent, environment, options, Rng{1}};
+  EXPECT_EQ(trainer.run(), TrainingEnd::kDiverged);
+  EXPECT_LT(trainer.episode(), 200);
 }
 
 TEST(StabilisedAfter, IsTheFirstOfTenEvaluationsInOneStepInARow) {
