@@ -10,10 +10,10 @@
 namespace modsearch {
 namespace {
 
-// An arm whose lengths change from look to look: building one costs more than moving it. `family` keeps its chain
-// alive.
+// An arm whose lengths change from look to look: building one costs more than moving it. `chains` keeps its chain
+// alive, so that no other chain can have its address; a pointer to the problem would not do, it may be borrowed.
 struct Workbench {
-  std::shared_ptr<const RobotProblem> family;
+  std::shared_ptr<ChainCache> chains;
   const Chain* chain = nullptr;
   std::optional<Arm> arm;
   Posture posture;
@@ -21,17 +21,17 @@ struct Workbench {
 };
 
 // The workbench for `chain`, one of the last few that this thread has used.
-Workbench& workbench(const std::shared_ptr<const RobotProblem>& family, const Chain& chain) {
+Workbench& workbench(const RobotProblem& family, const Chain& chain) {
   constexpr std::size_t kKept = 8;  // a handful of types on one prefix; arbitrary
   thread_local std::array<Workbench, kKept> benches;
   thread_local std::size_t next = 0;
   for (Workbench& bench : benches) {
-    if (bench.chain == &chain && bench.family->spec().chains == family->spec().chains) return bench;
+    if (bench.chain == &chain) return bench;
   }
   Workbench& bench = benches[next];
   next = (next + 1) % kKept;
   bench.arm.reset();
-  bench.family = family;
+  bench.chains = family.spec().chains;
   bench.chain = &chain;
   bench.x = Eigen::VectorXd::Zero(chain.n_parameters());
   return bench;
@@ -71,10 +71,11 @@ std::optional<ActionModel::Look> DesignModel::look(int k, std::span<const float>
   types.clear();
   for (const Placement& placement : prefix_.modules) types.push_back(placement.type);
   types.push_back(k);
+  if (!family_->library().fits_together(types)) return std::nullopt;
   const Chain& chain = family_->chain(types);
   if (chain.n_joints() > max_joints_) return std::nullopt;
 
-  Workbench& bench = workbench(family_, chain);
+  Workbench& bench = workbench(*family_, chain);
   Eigen::Index at = 0;
   for (const Placement& placement : prefix_.modules) {
     bench.x.segment(at, placement.parameters.size()) = placement.parameters;

@@ -33,7 +33,8 @@ class DesignModel final : public ActionModel {
   [[nodiscard]] static std::shared_ptr<const DesignModel> restore(std::shared_ptr<const RobotProblem> family,
                                                                   std::span<const double> key, int max_joints);
 
-  /// Throws std::invalid_argument for a module that does not fit or has another number of parameters.
+  /// Nothing for a module that does not fit the tip either: a model gradient asks for all types of a state, the masked
+  /// ones too. Throws std::invalid_argument for another number of parameters.
   [[nodiscard]] std::optional<Look> look(int k, std::span<const float> x_k, Work& work) const override;
   [[nodiscard]] std::vector<double> key() const override;
 

@@ -140,6 +140,42 @@ TEST(DesignModel, HasNoAnswerForGoalsThatAreNoBallsOrForLongChains) {
   EXPECT_EQ(DesignModel::of(std::make_shared<const RobotProblem>(spec), {}, 3), nullptr);
 }
 
+// The types of the seed library, but nothing takes the rotary's connectors.
+std::shared_ptr<const ModuleLibrary> library_with_a_misfit() {
+  const auto seed = load_library("seed");
+  std::vector<ModuleType> modules{seed->base()};
+  for (int k = 0; k < seed->n_types(); ++k) modules.push_back(seed->type(k));
+  for (ModuleBody& body : modules[1 + static_cast<std::size_t>(seed->find("rotary").value())].bodies) {
+    for (Connector& connector : body.connectors) connector.type = "other";
+  }
+  return std::make_shared<const ModuleLibrary>("misfit", std::move(modules), seed->neighbour_rule());
+}
+
+TEST(DesignModel, HasNoAnswerForAModuleThatDoesNotFit) {
+  RobotProblemSpec spec = load_problem_file("seed/fixed").spec;
+  spec.library = library_with_a_misfit();
+  const auto problem = std::make_shared<const RobotProblem>(spec);
+  const auto model = DesignModel::of(problem, {}, 3);
+  Work work;
+  const std::vector<float> x{0.0F, 0.0F};
+  EXPECT_TRUE(model->look(problem->library().find("hinge").value(), x, work));
+  EXPECT_FALSE(model->look(problem->library().find("rotary").value(), x, work));
+}
+
+// A policy borrows the problem that it solves. Looks know chains they have met by their addresses, so these must not
+// become free when the problem goes.
+TEST(DesignModel, KeepsTheChainsOfABorrowedProblem) {
+  RobotProblemSpec spec = load_problem_file("seed/fixed").spec;
+  spec.chains = nullptr;
+  auto problem = std::make_unique<const RobotProblem>(std::move(spec));
+  const std::weak_ptr<ChainCache> chains = problem->spec().chains;
+  const std::shared_ptr<const RobotProblem> borrowed{std::shared_ptr<const RobotProblem>{}, problem.get()};
+  Work work;
+  EXPECT_TRUE(DesignModel::of(borrowed, {}, 3)->look(0, std::vector<float>(1), work));
+  problem.reset();
+  EXPECT_FALSE(chains.expired());
+}
+
 TEST(DesignModel, IsRestoredFromItsKey) {
   const auto problem = load_problem("seed/random_wide", {1, 5});
   Rng rng{4};
