@@ -133,7 +133,12 @@ Eigen::VectorXf ObservationEncoder::instance(const DesignProblem& problem) const
     throw std::invalid_argument(
         fmt::format("observation {}: problem '{}': {}", modsearch::name(options_.kind), problem.name(), what));
   };
-  if (options_.kind == EncoderKind::kSeed36 && as_robot(problem) == nullptr) refuse("is no robot problem");
+  if (options_.kind == EncoderKind::kSeed36) {
+    if (as_robot(problem) == nullptr) refuse("is no robot problem");
+    if (problem.max_modules() > kSeedSlots) {
+      refuse(fmt::format("{} modules with the base, at most {}", problem.max_modules(), kSeedSlots));
+    }
+  }
   if (options_.kind == EncoderKind::kScaled && problem.max_modules() - 1 != n_slots_) {
     refuse(fmt::format("at most {} modules, {} in its family", problem.max_modules(), n_slots_ + 1));
   }

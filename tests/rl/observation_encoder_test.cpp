@@ -86,6 +86,9 @@ TEST(Seed36, RefusesMoreModulesThanItHasSlots) {
   const RobotProblem problem{spec};
   EXPECT_THAT(refusal([&] { ObservationEncoder({.kind = EncoderKind::kSeed36}, problem); }),
               HasSubstr("11 modules with the base, at most 10"));
+  // Nor from a later problem of the family.
+  const ObservationEncoder encoder{{.kind = EncoderKind::kSeed36}, *load_problem("seed/fixed")};
+  EXPECT_THAT(refusal([&] { (void)encoder.instance(problem); }), HasSubstr("11 modules with the base, at most 10"));
 }
 
 TEST(ScaledObservation, HasOneHotSlotsScaledParametersCountTargetAndItsCylindricalLengths) {
