@@ -61,6 +61,12 @@ void Trainer::load(const Archive& archive) {
   if (sums.size() != 5) archive.fail("training.sums", fmt::format("{} numbers instead of 5", sums.size()));
   const std::vector<double> history = archive.numbers("training.history");
   if (history.size() % kColumns != 0) archive.fail("training.history", fmt::format("not rows of {}", kColumns));
+  const std::span<const std::byte> best = archive.bytes("training.best_policy");
+  std::size_t policy = 0;
+  for (const StatePart& part : agent_.state()) policy += part.policy ? part.bytes.size() : 0;
+  if (!best.empty() && best.size() != policy) {
+    archive.fail("training.best_policy", fmt::format("{} bytes, {} are needed", best.size(), policy));
+  }
   if (elite_) elite_->load("elite", archive, *environment_, agent_.memory_size());
   replay_.load("replay", archive, *environment_);
   restore(archive, "agent", agent_.state());
@@ -75,7 +81,7 @@ void Trainer::load(const Archive& archive) {
   loss_sum_ = sums[2];
   seconds_ = sums[3];
   best_return_ = sums[4];
-  const std::span<const std::byte> best = archive.bytes("training.best_policy");
+  diverged_ = false;
   best_policy_.assign(best.begin(), best.end());
   history_.clear();
   for (std::size_t at = 0; at < history.size(); at += kColumns) history_.push_back(point_of(history.data() + at));
