@@ -28,8 +28,8 @@ class Exploration {
   Exploration(ExplorationOptions options, int n_parameters);
 
   [[nodiscard]] double epsilon(std::int64_t episode) const;
-  /// The action taken in episode `episode` at state s. Draws the same amount of randomness in either case that it
-  /// needs.
+  /// The action taken in episode `episode` at state s. How much it draws depends on what it does: episodes need
+  /// streams of their own.
   [[nodiscard]] HybridAction act(Agent& agent, const Eigen::VectorXf& s, ActionMask mask, std::int64_t episode,
                                  Rng& rng);
   /// The noise process starts anew.

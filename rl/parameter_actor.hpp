@@ -23,13 +23,13 @@ class ParameterActor {
 
   /// Weights that learn.
   [[nodiscard]] Eigen::VectorXf& parameters() { return network_.parameters(); }
-  /// Weights that do not: W by rows, then b.
+  /// Weights that do not: W [D x observation_size] by columns, then b [D].
   [[nodiscard]] Eigen::VectorXf& passthrough() { return passthrough_; }
 
  private:
   Mlp network_;
   Mlp::Pass pass_;
-  Eigen::VectorXf passthrough_;  // [D * observation_size + D], W by columns, then b
+  Eigen::VectorXf passthrough_;  // as passthrough() says
   RowMatrixXf outputs_;
   int n_heads_;
   bool has_passthrough_ = false;  // W or b is not 0
