@@ -45,15 +45,16 @@ struct Row {
 // The exact gradient of reach error and mass moves the parameters, the critic only chooses the type; nothing is
 // polished, so the learning rate has to fall far for the last tenths of a millimetre.
 Changes raw(const std::string& episodes) {
-  return {{"polish", "0"},           {"model_gradient", "50"}, {"model_mass", "2"},   {"critic", "0"},
-          {"updates_per_step", "6"}, {"episodes", episodes},   {"decay_from", "0.2"}, {"decay_to", "0.0005"}};
+  return {{"polish", "0"},        {"model_gradient", "50"},    {"model_mass", "2"},         {"critic", "0"},
+          {"model_joints", "2"},  {"value_hidden", "64"},      {"actor_hidden", "256x128"}, {"updates_per_step", "6"},
+          {"episodes", episodes}, {"epsilon_episodes", "500"}, {"decay_from", "0.2"},       {"decay_to", "0.0005"}};
 }
 
 // No derivative of the model anywhere: relabelled placements show the critic where the goal is reached.
 Changes without_derivatives() {
   return {{"polish", "0"},           {"model_gradient", "0"}, {"model_mass", "0"},         {"critic", "1"},
           {"hindsight", "4"},        {"episodes", "14000"},   {"value_hidden", "256x256"}, {"actor_hidden", "256x256"},
-          {"updates_per_step", "1"}, {"decay_from", "0.3"},   {"decay_to", "0.003"}};
+          {"updates_per_step", "2"}, {"decay_from", "0.3"},   {"decay_to", "0.003"}};
 }
 
 std::vector<Row> rows() {
