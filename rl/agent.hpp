@@ -34,7 +34,7 @@ struct StatePart {
 
 /// What one update did.
 struct UpdateFacts {
-  double value_loss = 0.0;
+  double value_loss = 0.0;      ///< summed over the value networks, like their gradients
   double value_gradient = 0.0;  ///< norms before clipping
   double actor_gradient = 0.0;
   Work work;  ///< inner work of model gradients

@@ -14,8 +14,8 @@ namespace modsearch {
 struct Step {
   double reward = 0.0;
   bool terminated = false;  ///< the task itself has ended: no value follows
-  bool truncated = false;  ///< cut off from outside (no module left, a time limit, a budget): value would have followed
-  bool success = false;    ///< the episode ended as it should
+  bool truncated = false;   ///< cut off from outside (no module left, a time limit, a budget)
+  bool success = false;     ///< the episode ended as it should
 };
 
 /// What an agent learns from: (s, k, x, r, s') and whatever the training needs beside it.

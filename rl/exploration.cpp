@@ -26,6 +26,11 @@ double Exploration::epsilon(std::int64_t episode) const {
   return options_.first_epsilon + (options_.last_epsilon - options_.first_epsilon) * share;
 }
 
+void Exploration::begin_episode(Rng& rng) {
+  if (options_.noise != NoiseKind::kOrnsteinUhlenbeck) return;
+  for (float& value : state_) value = static_cast<float>(options_.deviation * rng.normal());
+}
+
 HybridAction Exploration::act(Agent& agent, const Eigen::VectorXf& s, ActionMask mask, std::int64_t episode, Rng& rng) {
   if (rng.uniform() < epsilon(episode)) return agent.random(mask, rng);
   HybridAction action = agent.greedy(s, mask);

@@ -32,8 +32,8 @@ class Exploration {
   /// streams of their own.
   [[nodiscard]] HybridAction act(Agent& agent, const Eigen::VectorXf& s, ActionMask mask, std::int64_t episode,
                                  Rng& rng);
-  /// The noise process starts anew.
-  void begin_episode() { state_.setZero(); }
+  /// The noise process starts anew, from its stationary distribution: episodes may be too short to get there.
+  void begin_episode(Rng& rng);
   [[nodiscard]] Eigen::VectorXf& state() { return state_; }
 
  private:

@@ -40,6 +40,7 @@ Training AgentLearner::train(const ProblemSource& source, Meter& meter, Rng rng)
   training.end =
       trainer.run(hooks_.observer, [&] { return meter.stopped().has_value() || (hooks_.stop && hooks_.stop()); });
   if (hooks_.ended) hooks_.ended(trainer);
+  trainer.use_best_policy();
   const bool done = training.end == TrainingEnd::kEpisodes || training.end == TrainingEnd::kPatience;
   if (done && settings_.training.final_episodes > 0) {
     training.final_evaluation = trainer.evaluate("final evaluation", 0, settings_.training.final_episodes);

@@ -87,10 +87,10 @@ void Paddpg::learn_values(const Batch& batch, const Eigen::VectorXf& y, UpdateFa
   const RowMatrixXf input = beside(batch.s, batch.x);
   for (Critic& critic : critics_) {
     const Eigen::VectorXf difference = critic.q.forward(input, critic.pass).col(0) - y;
-    facts.value_loss = difference.squaredNorm() / static_cast<float>(batch.size());
+    facts.value_loss += difference.squaredNorm() / static_cast<float>(batch.size());
     critic.gradient.setZero();
     critic.q.backward(2.0F / static_cast<float>(batch.size()) * difference, critic.pass, &critic.gradient, nullptr);
-    facts.value_gradient = critic.adam.step(critic.q.parameters(), critic.gradient,
+    facts.value_gradient += critic.adam.step(critic.q.parameters(), critic.gradient,
                                             static_cast<float>(options_.value_rate * rate_factor_));
   }
 }

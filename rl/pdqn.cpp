@@ -77,10 +77,10 @@ Eigen::VectorXf Pdqn::targets(const Batch& batch, Rng& rng) {
 void Pdqn::learn_values(const Batch& batch, const Eigen::VectorXf& y, UpdateFacts& facts) {
   for (Critic& critic : critics_) {
     const Eigen::VectorXf difference = critic.q->forward_taken(batch.s, batch.x, batch.k) - y;
-    facts.value_loss = difference.squaredNorm() / static_cast<float>(batch.size());
+    facts.value_loss += difference.squaredNorm() / static_cast<float>(batch.size());
     critic.gradient.setZero();
     critic.q->weights_gradient(2.0F / static_cast<float>(batch.size()) * difference, critic.gradient);
-    facts.value_gradient = critic.adam.step(critic.q->parameters(), critic.gradient,
+    facts.value_gradient += critic.adam.step(critic.q->parameters(), critic.gradient,
                                             static_cast<float>(options_.value_rate * rate_factor_));
   }
 }

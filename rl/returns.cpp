@@ -45,7 +45,8 @@ std::vector<Experience> Returns::add(const Agent& agent, Transition transition) 
 }
 
 double Returns::discount_after(const Transition& last, int steps) const {
-  const bool ends = (last.terminated && !options_.legacy_terminals) || (last.truncated && options_.truncation_ends);
+  const bool nothing_follows = last.terminated || last.next_mask == 0;
+  const bool ends = (nothing_follows && !options_.legacy_terminals) || (last.truncated && options_.truncation_ends);
   return ends ? 0.0 : std::pow(gamma_, steps);
 }
 

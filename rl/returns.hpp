@@ -14,7 +14,8 @@ struct ReturnOptions {
 };
 
 /// Turns the transitions of an episode into experiences: from a state whose episode has terminated nothing follows,
-/// from one that was cut off the value still does (Pardo et al. 2018, "Time limits in reinforcement learning").
+/// nor from one in which nothing may be done any more; from one that was cut off otherwise the value still does (Pardo
+/// et al. 2018, "Time limits in reinforcement learning").
 class Returns {
  public:
   /// Throws std::invalid_argument unless steps >= 1 and gamma in [0, 1].

@@ -17,7 +17,9 @@ void check(const TrainingOptions& options) {
   require(options.episodes >= 1, "episodes", static_cast<double>(options.episodes), "[1, ..)");
   require(options.batch >= 1, "batch", options.batch, "[1, ..)");
   require(options.warm_up >= 1, "warm-up", options.warm_up, "[1, ..)");
-  require(options.updates_per_step >= 0.0, "updates per step", options.updates_per_step, "[0, inf)");
+  require(options.updates_per_step >= 0.0 && std::isfinite(options.updates_per_step), "updates per step",
+          options.updates_per_step, "[0, inf)");
+  require(options.warm_up <= options.replay, "warm-up", options.warm_up, "[1, capacity of the replay]");
   require(options.evaluate_every >= 1, "episodes between evaluations", options.evaluate_every, "[1, ..)");
   require(options.evaluation_episodes >= 1, "episodes per evaluation", options.evaluation_episodes, "[1, ..)");
   require(options.patience >= 0, "patience", options.patience, "[0, ..)");
@@ -94,12 +96,8 @@ TrainingEnd Trainer::run(const Observer& observer, const std::function<bool()>& 
     evaluate_now();
     if (observer && !observer(*this)) return TrainingEnd::kInterrupted;
     const auto last = static_cast<std::int64_t>(history_.size()) - 1;
-    if (options_.patience > 0 && last - best_evaluation_ >= options_.patience) {
-      restore_best();
-      return TrainingEnd::kPatience;
-    }
+    if (options_.patience > 0 && last - best_evaluation_ >= options_.patience) return TrainingEnd::kPatience;
   }
-  restore_best();
   return TrainingEnd::kEpisodes;
 }
 
@@ -109,7 +107,9 @@ void Trainer::train_episode() {
   Rng explore = rng_.fork("exploration").fork(number);
   Rng refine = rng_.fork("refinement").fork(number);
   Rng relabel = rng_.fork("hindsight").fork(number);
-  exploration_.begin_episode();
+  exploration_.begin_episode(explore);
+  returns_ = Returns{options_.returns, agent_.gamma()};  // nothing is left of an episode that an exception ended
+  episode_experiences_.clear();
   double episode_return = 0.0;
   bool success = false;
   while (environment_->running() && !diverged_) {
@@ -193,6 +193,7 @@ void Trainer::evaluate_now() {
 
 EvaluationSummary Trainer::evaluate(std::string_view stream, std::int64_t first, int episodes) {
   EvaluationSummary summary;
+  if (episodes < 1) return summary;
   Environment& environment = *evaluation_environment_;
   double squares = 0.0;
   for (int i = 0; i < episodes; ++i) {
@@ -223,7 +224,7 @@ EvaluationSummary Trainer::evaluate(std::string_view stream, std::int64_t first,
   return summary;
 }
 
-void Trainer::restore_best() {
+void Trainer::use_best_policy() {
   if (!options_.keep_best || best_policy_.empty()) return;
   auto from = best_policy_.cbegin();
   for (const StatePart& part : agent_.state()) {

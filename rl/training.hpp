@@ -24,7 +24,7 @@ struct TrainingOptions {
   double updates_per_step = 1.0;   ///< Bester et al. 2019
   ReturnOptions returns{};
   ExplorationOptions exploration{};
-  ActingOptions acting{};          ///< in training and evaluation alike
+  ActingOptions acting{};        ///< in training and evaluation alike
   int evaluate_every = 30;       ///< training episodes between evaluations; the report
   int evaluation_episodes = 10;  ///< greedy episodes per evaluation; the report
   int patience = 300;            ///< evaluations without a new best before training ends; 0: never. The report
@@ -86,6 +86,9 @@ class Trainer {
   /// Trains until the episodes are done, patience is over, the observer says stop, or `stop` returns true between
   /// episodes.
   TrainingEnd run(const Observer& observer = {}, const std::function<bool()>& stop = {});
+  /// The agent gets the policy of the best evaluation so far where TrainingOptions::keep_best asks for it: for use,
+  /// after the end. A training that goes on later needs the last one: save it before.
+  void use_best_policy();
   /// Greedy episodes with the agent as it is: numbers `first` .. of a stream that training never uses.
   [[nodiscard]] EvaluationSummary evaluate(std::string_view stream, std::int64_t first, int episodes);
 
@@ -108,7 +111,6 @@ class Trainer {
   void keep(std::vector<Experience> experiences);
   void learn(std::int64_t updates);
   void evaluate_now();
-  void restore_best();
 
   Agent& agent_;
   std::unique_ptr<Environment> environment_;

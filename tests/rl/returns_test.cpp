@@ -40,6 +40,14 @@ TEST(Returns, FollowNothingAfterTheEndButTheValueAfterACut) {
   EXPECT_EQ(returns.add(*agent, step(0.0F, 1.0F, false, true))[0].discount, 0.5F);
 }
 
+TEST(Returns, FollowNothingWhereNothingMayBeDone) {
+  const auto agent = any_agent();
+  Returns returns{{}, 0.5};
+  Transition full = step(0.0F, 1.0F, false, true);
+  full.next_mask = 0;
+  EXPECT_EQ(returns.add(*agent, full)[0].discount, 0.0F);
+}
+
 TEST(Returns, RepeatThePublishedFaultsOnDemand) {
   const auto agent = any_agent();
   Returns no_ends{{.legacy_terminals = true}, 0.5};

@@ -137,6 +137,7 @@ TEST(Trainer, KeepsThePolicyOfItsBestEvaluation) {
   Trainer trainer{*agent, environment, short_training(200), Rng{1}};
   std::size_t best = 0;
   trainer.run();
+  trainer.use_best_policy();
   for (std::size_t i = 1; i < trainer.history().size(); ++i) {
     if (trainer.history()[i].evaluation.mean_return > trainer.history()[best].evaluation.mean_return) best = i;
   }
