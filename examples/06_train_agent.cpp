@@ -9,7 +9,7 @@ int main() {
   const ProblemFile family = load_problem_file("seed/random_narrow");
 
   // 2. MP-DQN with our best settings for sampled targets; any of them can be changed.
-  LearnerSettings settings = settings_of(AgentKind::kMpdqn, Preset::kBest, {.sampled = true});
+  LearnerSettings settings = settings_of(AgentKind::kMpdqn, Preset::kBest, traits_of(family));
   settings.training.episodes = 1500;
   Meter training_meter{{.evaluations = 100'000}};
   const Training training = AgentLearner{settings}.train(problem_source(family), training_meter, Rng{0});
