@@ -431,7 +431,7 @@ TEST(BadUsage, WithoutACommandNamesThemAll) {
   const TemporaryFolder folder;
   const Outcome outcome = modsearch({}, folder);
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.err, "modsearch: no command given: one of solve, evaluate, verify, render, list\n");
+  EXPECT_EQ(outcome.err, "modsearch: no command given: one of solve, train, evaluate, verify, render, list\n");
 }
 
 TEST(Help, ShowsAnExampleForEverySubcommand) {
