@@ -1,0 +1,86 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <modsearch/baselines/random_search.hpp>
+#include <modsearch/problem/robot_problem.hpp>
+
+namespace modsearch::testing {
+
+/// What every Task promises of an attempt with `arm`.
+inline void expect_sound_attempt(const Task& task, const Arm& arm, const Scene& scene, const AttemptOptions& options) {
+  const Attempt attempt = task.attempt(arm, scene, options);
+  const Attempt again = task.attempt(arm, scene, options);
+  EXPECT_EQ(attempt.postures, again.postures) << "an attempt is a function of its arguments";
+  EXPECT_EQ(attempt.goal_error, again.goal_error);
+  EXPECT_EQ(attempt.achieved, again.achieved);
+
+  const auto n_goals = static_cast<Eigen::Index>(task.goals().size());
+  ASSERT_EQ(attempt.postures.rows(), n_goals) << "a posture per goal";
+  ASSERT_EQ(attempt.postures.cols(), arm.n_joints());
+  EXPECT_TRUE(attempt.postures.allFinite());
+  EXPECT_TRUE(std::isfinite(attempt.goal_error));
+  EXPECT_GE(attempt.goal_error, 0.0);
+  EXPECT_EQ(attempt.achieved, attempt.why == Failure::kNone) << "a failure has a reason, a success has none";
+  EXPECT_TRUE(!attempt.achieved || (attempt.reached && !attempt.collides));
+  EXPECT_FALSE(options.level == Level::kNone && attempt.collides) << "nothing collides at level none";
+  bool all = true;
+  for (Eigen::Index goal = 0; goal < n_goals; ++goal) {
+    const Eigen::VectorXd q = attempt.postures.row(goal).transpose();
+    EXPECT_TRUE(arm.chain().clamped(q).isApprox(q, 1e-9)) << "postures are within the joint limits";
+    all = all && task.goals()[static_cast<std::size_t>(goal)].region.contains(arm.forward(q).tip);
+  }
+  EXPECT_TRUE(all || !attempt.reached) << "reached means that the postures show it";
+  EXPECT_EQ(attempt.relative_error == 0.0, attempt.reached) << "an error that counts, exactly where a goal is missed";
+  if (attempt.path && attempt.achieved) {
+    const Eigen::MatrixXd& waypoints = attempt.path->waypoints;
+    EXPECT_EQ(waypoints.row(0).transpose(), home_posture(task, arm.chain())) << "a motion begins at home";
+    ASSERT_EQ(attempt.goal_waypoints.size(), static_cast<std::size_t>(n_goals));
+    for (Eigen::Index goal = 0; goal < n_goals; ++goal) {
+      EXPECT_EQ(waypoints.row(attempt.goal_waypoints[static_cast<std::size_t>(goal)]), attempt.postures.row(goal));
+    }
+  }
+}
+
+/// What every Task promises; run it on yours, within a problem that has it. Draws `designs` random designs.
+inline void expect_task_contract(const RobotProblem& problem, int designs = 20) {
+  const Task& task = problem.task();
+  SCOPED_TRACE(std::string{task.name()});
+  EXPECT_FALSE(task.name().empty());
+  ASSERT_FALSE(task.goals().empty());
+  EXPECT_EQ(task.goals().data(), task.goals().data()) << "goals do not change";
+  EXPECT_TRUE(task.features().allFinite());
+  EXPECT_EQ(task.features(), task.features());
+
+  Rng rng{11};
+  for (int i = 0; i < designs; ++i) {
+    const Design drawn = random_design(problem, rng);
+    const Design design = drawn.prefix(std::min(3, static_cast<int>(drawn.modules.size())));
+    const std::vector<int> types = design.types();
+    const Arm arm = problem.chain(types).at(design.parameters());
+    for (const Level level : {Level::kNone, Level::kPosture, Level::kPostureSelf, Level::kPath}) {
+      expect_sound_attempt(task, arm, problem.scene(), {.level = level, .ik = problem.spec().ik, .planner = {}});
+    }
+
+    // The rows of the smooth program are finite and have the derivatives they claim.
+    const std::unique_ptr<SmoothProgram> program = problem.relax(types);
+    if (program == nullptr || !problem.scene().obstacles().empty()) continue;
+    const Eigen::VectorXd v = program->start(i);
+    SmoothProgram::Values at, above, below;
+    program->evaluate(v, at);
+    ASSERT_TRUE(at.rows.allFinite());
+    constexpr double kStep = 1e-6;
+    for (int j = 0; j < program->n_variables(); ++j) {
+      const Eigen::VectorXd e = kStep * Eigen::VectorXd::Unit(program->n_variables(), j);
+      program->evaluate(v + e, above);
+      program->evaluate(v - e, below);
+      const Eigen::VectorXd slope = (above.rows - below.rows) / (2.0 * kStep);
+      // Rounding leaves about 1e-10 / 1e-6 of a central difference.
+      EXPECT_LT((at.jacobian.col(j) - slope).cwiseAbs().maxCoeff(), 1e-5) << "variable " << j;
+    }
+  }
+}
+
+}  // namespace modsearch::testing
