@@ -76,5 +76,7 @@
 #include <modsearch/rl/training_csv.hpp>
 
 #include <modsearch/study/environment_page.hpp>
+#include <modsearch/study/journal.hpp>
 #include <modsearch/study/page.hpp>
+#include <modsearch/study/records.hpp>
 #include <modsearch/study/solution_page.hpp>
