@@ -2,6 +2,10 @@
 
 // Everything of modsearch that an application may use, floor by floor.
 
+#include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/per_sequence.hpp>
+#include <modsearch/baselines/random_search.hpp>
+#include <modsearch/baselines/staged.hpp>
 #include <modsearch/kinematics/affine.hpp>
 #include <modsearch/kinematics/arm.hpp>
 #include <modsearch/kinematics/bounding_capsule.hpp>
@@ -14,7 +18,6 @@
 #include <modsearch/kinematics/separation.hpp>
 #include <modsearch/kinematics/shape.hpp>
 #include <modsearch/kinematics/work.hpp>
-
 #include <modsearch/problem/attempt.hpp>
 #include <modsearch/problem/design.hpp>
 #include <modsearch/problem/design_problem.hpp>
@@ -29,17 +32,6 @@
 #include <modsearch/problem/smooth_program.hpp>
 #include <modsearch/problem/task.hpp>
 #include <modsearch/problem/task_program.hpp>
-
-#include <modsearch/solvers/inner_solver.hpp>
-#include <modsearch/solvers/meter.hpp>
-#include <modsearch/solvers/solver.hpp>
-#include <modsearch/solvers/verification.hpp>
-
-#include <modsearch/baselines/auto_solver.hpp>
-#include <modsearch/baselines/per_sequence.hpp>
-#include <modsearch/baselines/random_search.hpp>
-#include <modsearch/baselines/staged.hpp>
-
 #include <modsearch/rl/acting.hpp>
 #include <modsearch/rl/action_model.hpp>
 #include <modsearch/rl/action_values.hpp>
@@ -48,7 +40,6 @@
 #include <modsearch/rl/agent.hpp>
 #include <modsearch/rl/agent_options.hpp>
 #include <modsearch/rl/agents.hpp>
-#include <modsearch/rl/archive.hpp>
 #include <modsearch/rl/design_environment.hpp>
 #include <modsearch/rl/design_model.hpp>
 #include <modsearch/rl/dqn.hpp>
@@ -72,9 +63,17 @@
 #include <modsearch/rl/returns.hpp>
 #include <modsearch/rl/saved_policy.hpp>
 #include <modsearch/rl/settings.hpp>
+#include <modsearch/rl/state_archive.hpp>
 #include <modsearch/rl/training.hpp>
 #include <modsearch/rl/training_csv.hpp>
-
+#include <modsearch/solvers/archive.hpp>
+#include <modsearch/solvers/checkpoint.hpp>
+#include <modsearch/solvers/crc32c.hpp>
+#include <modsearch/solvers/inner_solver.hpp>
+#include <modsearch/solvers/meter.hpp>
+#include <modsearch/solvers/search.hpp>
+#include <modsearch/solvers/solver.hpp>
+#include <modsearch/solvers/verification.hpp>
 #include <modsearch/study/environment_page.hpp>
 #include <modsearch/study/journal.hpp>
 #include <modsearch/study/page.hpp>

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <modsearch/rl/archive.hpp>
 #include <modsearch/rl/event_file.hpp>
 #include <modsearch/rl/saved_policy.hpp>
 #include <modsearch/rl/training_csv.hpp>
+#include <modsearch/solvers/archive.hpp>
 
 #include "app/commands.hpp"
 #include "app/name_and_options.hpp"
@@ -218,7 +218,8 @@ Status train(const TrainArguments& arguments, const CommonArguments& common, std
   const bool diverged = training.end == TrainingEnd::kDiverged || !has_finite_weights(policy);
   json["diverged"] = diverged;
   std::string text = summary_text(json);
-  if (diverged) text += "diverged     the numbers left all bounds, so no policy is kept; smaller learning rates may help\n";
+  if (diverged)
+    text += "diverged     the numbers left all bounds, so no policy is kept; smaller learning rates may help\n";
   if (arguments.out) {
     PolicyFile::Facts facts{.version = MODSEARCH_VERSION,
                             .preset = chosen.preset,

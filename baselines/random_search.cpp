@@ -22,10 +22,31 @@ Design random_design(const DesignProblem& problem, Rng& rng) {
   return design;
 }
 
-SearchEnd RandomSearch::do_solve(const DesignProblem& problem, Meter& meter, Rng rng) const {
-  while (evaluate_staged(meter, problem, random_design(problem, rng))) {
+namespace {
+
+class Draws final : public Search {
+ public:
+  Draws(const DesignProblem& problem, Rng rng) : problem_{problem}, rng_{rng} {}
+
+  std::optional<SearchEnd> step(Meter& meter) override {
+    constexpr int kBatch = 64;  // designs between two places where the search can be taken up: arbitrary
+    for (int i = 0; i < kBatch; ++i) {
+      if (!evaluate_staged(meter, problem_, random_design(problem_, rng_))) return SearchEnd{};
+    }
+    return std::nullopt;
   }
-  return {};
+  void save(Archive& archive) const override { put(archive, "rng", rng_); }
+  void restore(const Archive& archive) override { rng_ = restored_rng(archive, "rng"); }
+
+ private:
+  const DesignProblem& problem_;
+  Rng rng_;
+};
+
+}  // namespace
+
+std::unique_ptr<Search> RandomSearch::start(const DesignProblem& problem, Rng rng) const {
+  return std::make_unique<Draws>(problem, rng);
 }
 
 }  // namespace modsearch

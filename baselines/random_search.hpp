@@ -1,6 +1,6 @@
 #pragma once
 
-#include <modsearch/solvers/solver.hpp>
+#include <modsearch/solvers/search.hpp>
 
 namespace modsearch {
 
@@ -9,12 +9,10 @@ namespace modsearch {
 [[nodiscard]] Design random_design(const DesignProblem& problem, Rng& rng);
 
 /// Draws designs at random until the budget is spent: the bar that every method has to clear.
-class RandomSearch final : public Solver {
+class RandomSearch final : public SteppedSolver {
  public:
   [[nodiscard]] std::string name() const override { return "random"; }
-
- private:
-  [[nodiscard]] SearchEnd do_solve(const DesignProblem& problem, Meter& meter, Rng rng) const override;
+  [[nodiscard]] std::unique_ptr<Search> start(const DesignProblem& problem, Rng rng) const override;
 };
 
 }  // namespace modsearch

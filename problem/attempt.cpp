@@ -40,6 +40,8 @@ std::string_view name(Failure failure) {
       return "home in collision";
     case Failure::kNoPath:
       return "no path found";
+    case Failure::kThrew:
+      return "exception";
     case Failure::kNotANumber:
       return "not a number";
   }

@@ -29,6 +29,7 @@ enum class Failure {
   kHomeInCollision,  ///< the motion cannot start
   kNoPath,           ///< no path was found within the planner's budget
   kNotANumber,       ///< a user's problem gave NaN
+  kThrew,            ///< a user's problem threw an exception
 };
 /// "none", "incomplete", "unreachable", "obstacle", ...
 [[nodiscard]] std::string_view name(Failure failure);

@@ -1,7 +1,6 @@
-#include <modsearch/problem/design_problem.hpp>
-
 #include <fmt/format.h>
 
+#include <modsearch/problem/design_problem.hpp>
 #include <stdexcept>
 
 namespace modsearch {
@@ -17,7 +16,11 @@ Evaluation DesignProblem::evaluate(const Design& design, Fidelity fidelity) cons
                                             design.modules.size() + 1, max_modules()));
   }
   check(library(), design);
-  return do_evaluate(design, fidelity);
+  try {
+    return do_evaluate(design, fidelity);
+  } catch (const std::exception& error) {
+    throw EvaluationError(error.what());
+  }
 }
 
 std::unique_ptr<SmoothProgram> DesignProblem::relax(std::span<const int>, const Relaxation&) const { return nullptr; }

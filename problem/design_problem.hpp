@@ -6,6 +6,7 @@
 #include <modsearch/problem/scoring.hpp>
 #include <modsearch/problem/smooth_program.hpp>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,13 @@ struct Evaluation {
 enum class Fidelity {
   kScreen,  ///< leaves out the path and nothing else: an upper bound on the full score
   kFull,
+};
+
+/// A problem could not evaluate a design that is within the search space: what its own code threw, in its words. A
+/// wrong design is another matter: that is std::invalid_argument.
+class EvaluationError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 /// How far inside its limits a relaxation stays, so that its optimum is still achieved after rounding.
@@ -54,13 +62,15 @@ class DesignProblem {
   [[nodiscard]] virtual int max_modules() const = 0;
   /// Types that may be attached next: the action mask. Empty when max_modules() is reached.
   [[nodiscard]] std::vector<int> successors(std::span<const int> types) const;
-  /// Whether Fidelity::kScreen leaves something out: a screened evaluation is then no answer, only a reason to look closer.
+  /// Whether Fidelity::kScreen leaves something out: a screened evaluation is then no answer, only a reason to look
+  /// closer.
   [[nodiscard]] virtual bool staged() const { return false; }
   /// The instance as an agent sees it: numbers of a length that is fixed for a family of instances.
   [[nodiscard]] virtual Eigen::VectorXd context() const = 0;
 
   /// Score and terms of `design`; the empty design is allowed.
-  /// Throws std::invalid_argument (module, parameter, value, limit) for a design outside the search space.
+  /// Throws std::invalid_argument (module, parameter, value, limit) for a design outside the search space,
+  /// EvaluationError for whatever std::exception do_evaluate ends with.
   [[nodiscard]] Evaluation evaluate(const Design& design, Fidelity fidelity = Fidelity::kFull) const;
 
   /// The smooth relaxation for a fixed type sequence, or null where there is none.

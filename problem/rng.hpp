@@ -20,6 +20,10 @@ class Rng {
   [[nodiscard]] Rng fork(std::string_view label) const;
   [[nodiscard]] Rng fork(std::uint64_t index) const;
 
+  /// All there is to a stream: a generator made from it goes on with the same numbers. For checkpoints.
+  [[nodiscard]] std::array<std::uint64_t, 2> state() const { return {key_, counter_}; }
+  explicit Rng(const std::array<std::uint64_t, 2>& state) : key_{state[0]}, counter_{state[1]} {}
+
   /// 64 uniform bits.
   std::uint64_t bits();
   /// Uniform in [0, 1), a multiple of 2^-53.

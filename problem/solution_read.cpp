@@ -207,7 +207,7 @@ void check_path_against_postures(const JsonCursor& root, const Attempt& attempt)
 Failure failure_from(const JsonCursor& cursor) {
   constexpr Failure kAll[] = {Failure::kIncomplete,    Failure::kUnreachable,     Failure::kObstacle,
                               Failure::kSelfCollision, Failure::kHomeInCollision, Failure::kNoPath,
-                              Failure::kNotANumber};
+                              Failure::kNotANumber, Failure::kThrew};
   const std::string text = cursor.text();
   const auto found = std::find_if(std::begin(kAll), std::end(kAll), [&](Failure each) { return name(each) == text; });
   if (found == std::end(kAll)) cursor.fail_value("the name of a reason for failure");

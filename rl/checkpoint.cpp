@@ -2,7 +2,7 @@
 // episode and update, so that counters are enough.
 #include <fmt/format.h>
 
-#include <modsearch/rl/archive.hpp>
+#include <modsearch/rl/state_archive.hpp>
 #include <modsearch/rl/training.hpp>
 
 namespace modsearch {

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <modsearch/rl/archive.hpp>
 #include <modsearch/rl/elite.hpp>
+#include <modsearch/solvers/archive.hpp>
 #include <numeric>
 #include <stdexcept>
 

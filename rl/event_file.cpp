@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <modsearch/problem/files.hpp>
-#include <modsearch/rl/crc32c.hpp>
 #include <modsearch/rl/event_file.hpp>
+#include <modsearch/solvers/crc32c.hpp>
 #include <span>
 #include <string>
 

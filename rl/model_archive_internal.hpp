@@ -1,8 +1,8 @@
 #pragma once
 
 #include <memory>
-#include <modsearch/rl/archive.hpp>
 #include <modsearch/rl/environment.hpp>
+#include <modsearch/solvers/archive.hpp>
 #include <string>
 #include <vector>
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <modsearch/problem/files.hpp>
 #include <modsearch/problem/json_internal.hpp>
-#include <modsearch/rl/crc32c.hpp>
 #include <modsearch/rl/policy_file.hpp>
+#include <modsearch/solvers/crc32c.hpp>
 #include <set>
 #include <stdexcept>
 #include <string_view>

@@ -1,16 +1,31 @@
+#include <array>
 #include <cmath>
 #include <modsearch/solvers/meter.hpp>
+#include <modsearch/solvers/search.hpp>
 #include <stdexcept>
 #include <utility>
 
 namespace modsearch {
 namespace {
 
+// The score of `design`, or the worst there is where the problem fails; then `what` says what it had to say.
 // NaN compares false with everything: left alone, it would be neither better nor worse than any other score.
-void refuse_nan(Evaluation& evaluation) {
-  evaluation.score = -std::numeric_limits<double>::infinity();
-  evaluation.attempt.achieved = false;
-  evaluation.attempt.why = Failure::kNotANumber;
+Evaluation evaluated(const DesignProblem& problem, const Design& design, Fidelity fidelity, std::optional<std::string>& what) {
+  const auto refuse = [&](Evaluation& evaluation, Failure why, const char* words) {
+    evaluation.score = -std::numeric_limits<double>::infinity();
+    evaluation.attempt.achieved = false;
+    evaluation.attempt.why = why;
+    what = words;
+  };
+  try {
+    Evaluation evaluation = problem.evaluate(design, fidelity);
+    if (std::isnan(evaluation.score)) refuse(evaluation, Failure::kNotANumber, "the score is not a number");
+    return evaluation;
+  } catch (const EvaluationError& error) {
+    Evaluation evaluation{};
+    refuse(evaluation, Failure::kThrew, error.what());
+    return evaluation;
+  }
 }
 
 }  // namespace
@@ -48,12 +63,10 @@ Meter::Meter(Budget budget, Observer observer, std::stop_token stop)
 std::optional<Evaluation> Meter::evaluate(const DesignProblem& problem, const Design& design, Fidelity fidelity) {
   if (stopped()) return std::nullopt;
   ++progress_.evaluations;  // before the call: an evaluation that throws was paid for too
-  Evaluation evaluation = problem.evaluate(design, fidelity);
+  std::optional<std::string> failure;
+  const Evaluation evaluation = evaluated(problem, design, fidelity, failure);
+  if (failure && progress_.failed++ == 0) first_failure_ = *failure;
   progress_.work += evaluation.attempt.work;
-  if (std::isnan(evaluation.score)) {
-    ++progress_.failed;
-    refuse_nan(evaluation);
-  }
   if (fidelity == Fidelity::kFull && (!best_ || evaluation.better_than(best_->evaluation))) {
     best_ = Incumbent{design, evaluation};
     trace_.push_back({progress_.evaluations, elapsed(), evaluation.score, evaluation.attempt.achieved});
@@ -84,6 +97,46 @@ Progress Meter::progress() const {
   Progress progress = progress_;
   progress.seconds = elapsed();
   return progress;
+}
+
+void Meter::save(Archive& archive) const {
+  const Progress p = progress();
+  archive.put("meter/counts",
+              std::array<std::int64_t, 7>{p.evaluations, p.failed, p.program_evaluations, p.work.forward,
+                                          p.work.ik_iterations, p.work.distances, p.work.planner_states});
+  archive.put_number("meter/seconds", p.seconds);
+  archive.put_text("meter/first failure", first_failure_);
+  std::vector<double> trace;
+  for (const TracePoint& point : trace_) {
+    trace.insert(trace.end(),
+                 {static_cast<double>(point.evaluations), point.seconds, point.score, point.achieved ? 1.0 : 0.0});
+  }
+  archive.put("meter/trace", std::span<const double>{trace});
+  if (best_) put(archive, "meter/best", std::span{&best_->design, 1});
+}
+
+void Meter::restore(const Archive& archive, const DesignProblem& problem) {
+  const std::vector<std::int64_t> counts = archive.integers("meter/counts");
+  if (counts.size() != 7) archive.fail("meter/counts", "does not hold 7 numbers");
+  progress_ = {
+      .evaluations = counts[0],
+      .failed = counts[1],
+      .program_evaluations = counts[2],
+      .work = {.forward = counts[3], .ik_iterations = counts[4], .distances = counts[5], .planner_states = counts[6]}};
+  start_ = std::chrono::steady_clock::now() - std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                                  std::chrono::duration<double>(archive.number("meter/seconds")));
+  first_failure_ = archive.text("meter/first failure");
+  const std::vector<double> trace = archive.numbers("meter/trace");
+  if (trace.size() % 4 != 0) archive.fail("meter/trace", "does not hold four numbers per point");
+  trace_.clear();
+  for (std::size_t i = 0; i < trace.size(); i += 4) {
+    trace_.push_back({static_cast<std::int64_t>(trace[i]), trace[i + 1], trace[i + 2], trace[i + 3] != 0.0});
+  }
+  best_.reset();
+  if (!archive.has("meter/best/lengths")) return;
+  const std::vector<Design> best = restored_designs(archive, "meter/best", problem.library());
+  if (best.size() != 1) archive.fail("meter/best", "does not hold one design");
+  best_ = Incumbent{best.front(), problem.evaluate(best.front())};
 }
 
 double Meter::elapsed() const {

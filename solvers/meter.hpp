@@ -7,10 +7,13 @@
 #include <modsearch/problem/design_problem.hpp>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace modsearch {
+
+class Archive;
 
 /// When a search ends, whichever comes first.
 struct Budget {
@@ -36,7 +39,7 @@ enum class StopReason {
 /// What has been spent so far.
 struct Progress {
   std::int64_t evaluations = 0;          ///< of the score
-  std::int64_t failed = 0;               ///< of these, how many gave NaN
+  std::int64_t failed = 0;               ///< of these, how many gave NaN or threw
   std::int64_t program_evaluations = 0;  ///< of smooth programs, with derivatives: inner work
   Work work;                             ///< inner work behind the evaluations
   double seconds = 0.0;                  ///< wall clock
@@ -69,7 +72,8 @@ class Meter {
   explicit Meter(Budget budget = {}, Observer observer = {}, std::stop_token stop = {});
 
   /// The score of `design`, or nothing when it is time to stop (then nothing was evaluated). A score of NaN counts as
-  /// -inf, not achieved, Failure::kNotANumber. Exceptions of the problem pass through, counted.
+  /// -inf, not achieved, Failure::kNotANumber; so does an evaluation that throws EvaluationError, with Failure::kThrew:
+  /// one bad design of a user's task does not end a search. Misuse (std::invalid_argument) passes through, counted.
   /// A screening is counted but never becomes the best: it promises a score and does not show it.
   [[nodiscard]] std::optional<Evaluation> evaluate(const DesignProblem& problem, const Design& design,
                                                    Fidelity fidelity = Fidelity::kFull);
@@ -87,6 +91,13 @@ class Meter {
   [[nodiscard]] const std::optional<Incumbent>& best() const { return best_; }
   /// Every improvement of the best, in order.
   [[nodiscard]] const std::vector<TracePoint>& trace() const { return trace_; }
+  /// What the first evaluation that failed had to say; empty: none has.
+  [[nodiscard]] const std::string& first_failure() const { return first_failure_; }
+
+  /// Everything but budget, observer and stop token, for checkpoints; the clock goes on where it was.
+  void save(Archive& archive) const;
+  /// `problem`: the best design is evaluated again (not counted). Throws FileError if the archive holds no meter.
+  void restore(const Archive& archive, const DesignProblem& problem);
 
  private:
   [[nodiscard]] double elapsed() const;
@@ -98,6 +109,7 @@ class Meter {
   Progress progress_;
   std::optional<Incumbent> best_;
   std::vector<TracePoint> trace_;
+  std::string first_failure_;
 };
 
 }  // namespace modsearch

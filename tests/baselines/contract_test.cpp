@@ -5,6 +5,7 @@
 #include <modsearch/problem/files.hpp>
 
 #include "contracts/problem_contract.hpp"
+#include "problem/temporary_folder.hpp"
 
 namespace modsearch {
 namespace {
@@ -53,12 +54,18 @@ TEST(SolverContract, HoldsForEverySolverOnEveryKindOfProblem) {
   const auto obstacles = load_problem("seed/random_obstacles", {5, 2});
   const Tower tower{false};
   for (const auto& solver : solvers) {
-    for (const DesignProblem* problem : {static_cast<const DesignProblem*>(fixed.get()),
-                                         static_cast<const DesignProblem*>(obstacles.get()),
-                                         static_cast<const DesignProblem*>(&tower)}) {
+    for (const DesignProblem* problem :
+         {static_cast<const DesignProblem*>(fixed.get()), static_cast<const DesignProblem*>(obstacles.get()),
+          static_cast<const DesignProblem*>(&tower)}) {
       testing::expect_solver_contract(*solver, *problem);
     }
   }
+}
+
+TEST(SolverContract, SearchesResumeWhereTheyWereCutOff) {
+  const test::TemporaryFolder folder;
+  const Tower tower{true};
+  testing::expect_resumable_contract(RandomSearch{}, tower, folder.path());
 }
 
 TEST(SolverContract, SurvivesScoresThatAreNotNumbers) {
@@ -70,7 +77,8 @@ TEST(SolverContract, SurvivesScoresThatAreNotNumbers) {
   EXPECT_TRUE(solution.evaluation.attempt.achieved);
 }
 
-// What every Task promises, for the one that files describe: goals, features of fixed length, an attempt that is a function.
+// What every Task promises, for the one that files describe: goals, features of fixed length, an attempt that is a
+// function.
 TEST(TaskContract, HoldsForTheTasksOfTheReferenceScenarios) {
   for (const std::string& id : builtin_problems()) {
     const auto problem = load_problem(id);

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <modsearch/baselines/random_search.hpp>
-#include <modsearch/solvers/solver.hpp>
+#include <modsearch/solvers/checkpoint.hpp>
+#include <string>
 
 namespace modsearch::testing {
 
@@ -63,6 +65,34 @@ inline void expect_solver_contract(const Solver& solver, const DesignProblem& pr
   source.request_stop();
   Meter stopped{{}, {}, source.get_token()};
   EXPECT_EQ(solver.solve(problem, stopped, Rng{1}).spent.evaluations, 0) << "nothing is evaluated after a stop";
+}
+
+/// What every SteppedSolver promises beside: a search that is cut off anywhere and resumed ends like one that was not.
+/// Spends `budget` evaluations some ten times; the checkpoints go to `folder`.
+inline void expect_resumable_contract(const SteppedSolver& solver, const DesignProblem& problem,
+                                      const std::filesystem::path& folder, std::int64_t budget = 2000) {
+  SCOPED_TRACE(solver.name() + " on " + problem.name());
+  Meter whole{{.evaluations = budget}};
+  const Solution uninterrupted = solver.solve(problem, whole, Rng{5});
+  for (const std::int64_t cut : {budget / 100, budget / 10, budget / 3, budget - 1}) {
+    SCOPED_TRACE("cut off after " + std::to_string(cut) + " evaluations");
+    Checkpointing checkpointing{.file = folder / ("checkpoint-" + std::to_string(cut)), .period = 0.0};
+    Meter first{{.evaluations = cut}};
+    (void)solve(solver, problem, first, Rng{5}, checkpointing);
+    checkpointing.resume = true;
+    Meter second{{.evaluations = budget}};
+    const Solution resumed = solve(solver, problem, second, Rng{5}, checkpointing);
+    EXPECT_EQ(resumed.design, uninterrupted.design);
+    EXPECT_EQ(resumed.evaluation.score, uninterrupted.evaluation.score);
+    EXPECT_EQ(resumed.spent.evaluations, uninterrupted.spent.evaluations);
+    EXPECT_EQ(resumed.spent.program_evaluations, uninterrupted.spent.program_evaluations);
+    EXPECT_EQ(resumed.stop, uninterrupted.stop);
+    ASSERT_EQ(second.trace().size(), whole.trace().size());
+    for (std::size_t i = 0; i < whole.trace().size(); ++i) {
+      EXPECT_EQ(second.trace()[i].evaluations, whole.trace()[i].evaluations);
+      EXPECT_EQ(second.trace()[i].score, whole.trace()[i].score);
+    }
+  }
 }
 
 }  // namespace modsearch::testing

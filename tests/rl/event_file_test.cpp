@@ -6,8 +6,8 @@
 #include <limits>
 #include <map>
 #include <modsearch/problem/files.hpp>
-#include <modsearch/rl/crc32c.hpp>
 #include <modsearch/rl/event_file.hpp>
+#include <modsearch/solvers/crc32c.hpp>
 #include <string>
 #include <vector>
 

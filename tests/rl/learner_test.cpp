@@ -1,11 +1,10 @@
-#include <modsearch/rl/learner.hpp>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <modsearch/problem/files.hpp>
-#include <modsearch/rl/archive.hpp>
+#include <modsearch/rl/learner.hpp>
 #include <modsearch/rl/saved_policy.hpp>
+#include <modsearch/solvers/archive.hpp>
 
 #include "contracts/learner_contract.hpp"
 #include "problem/temporary_folder.hpp"
@@ -151,10 +150,11 @@ TEST(Checkpoint, LetsATrainingOnDesignsEndAsIfItHadNeverStopped) {
   Meter first{};
   EXPECT_EQ(killed.train(problem_source(file), first, Rng{1}).end, TrainingEnd::kInterrupted);
   const AgentLearner resumed{
-      settings, {.begin = [&](Trainer& trainer) { trainer.load(Archive::load(folder.path() / "checkpoint.bin")); },
-                 .observer = {},
-                 .stop = {},
-                 .ended = {}}};
+      settings,
+      {.begin = [&](Trainer& trainer) { trainer.load(Archive::load(folder.path() / "checkpoint.bin")); },
+       .observer = {},
+       .stop = {},
+       .ended = {}}};
   Meter second{};
   const Training rest = resumed.train(problem_source(file), second, Rng{1});
   EXPECT_EQ(tensors(rest), tensors(whole));

@@ -3,8 +3,8 @@
 
 #include <limits>
 #include <modsearch/problem/files.hpp>
-#include <modsearch/rl/crc32c.hpp>
 #include <modsearch/rl/policy_file.hpp>
+#include <modsearch/solvers/crc32c.hpp>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 

@@ -1,12 +1,11 @@
-#include <modsearch/rl/replay.hpp>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <modsearch/problem/files.hpp>
-#include <modsearch/rl/archive.hpp>
 #include <modsearch/rl/elite.hpp>
+#include <modsearch/rl/replay.hpp>
+#include <modsearch/solvers/archive.hpp>
 #include <set>
 
 #include "rl/toy_environments.hpp"

@@ -3,8 +3,8 @@
 
 #include <modsearch/problem/files.hpp>
 #include <modsearch/rl/agents.hpp>
-#include <modsearch/rl/archive.hpp>
 #include <modsearch/rl/training.hpp>
+#include <modsearch/solvers/archive.hpp>
 
 #include "problem/temporary_folder.hpp"
 #include "rl/toy_environments.hpp"

@@ -164,12 +164,24 @@ TEST(Meter, TakesNotANumberForTheWorstScore) {
   EXPECT_EQ(meter.progress().failed, 1);
 }
 
-TEST(Meter, CountsAnEvaluationThatThrows) {
+TEST(Meter, RecordsAnEvaluationThatThrowsAndGoesOn) {
   const Script problem{{{.score = kInf}, {.score = 1.0}}};
   Meter meter;
-  EXPECT_THROW((void)meter.evaluate(problem, kEmpty), std::runtime_error);
+  const std::optional<Evaluation> evaluation = meter.evaluate(problem, kEmpty);
+  ASSERT_TRUE(evaluation.has_value());
+  EXPECT_EQ(evaluation->attempt.why, Failure::kThrew);
+  EXPECT_EQ(evaluation->score, -kInf);
   EXPECT_EQ(meter.progress().evaluations, 1);
+  EXPECT_EQ(meter.progress().failed, 1);
+  EXPECT_EQ(meter.first_failure(), "the script says throw");
   EXPECT_EQ(meter.evaluate(problem, kEmpty)->score, 1.0);
+}
+
+TEST(Meter, LetsADesignOutsideTheSpacePassAsTheMisuseItIs) {
+  const Script problem{{{.score = 1.0}}};
+  Meter meter;
+  EXPECT_THROW((void)meter.evaluate(problem, Design{{{99, Parameters{}}}}), std::invalid_argument);
+  EXPECT_EQ(meter.progress().evaluations, 1);
 }
 
 TEST(Meter, NeverKeepsAScreeningAsTheBest) {

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <modsearch/problem/files.hpp>
 #include <modsearch/problem/json_internal.hpp>
-#include <modsearch/rl/archive.hpp>
-#include <modsearch/rl/crc32c.hpp>
+#include <modsearch/solvers/archive.hpp>
+#include <modsearch/solvers/crc32c.hpp>
 #include <stdexcept>
 
 namespace modsearch {
@@ -231,22 +231,6 @@ std::vector<std::string> Archive::names() const {
   std::vector<std::string> result;
   for (const auto& [name, entry] : entries_) result.push_back(name);
   return result;
-}
-
-void put(Archive& archive, const std::string& prefix, std::span<const StatePart> parts) {
-  for (const StatePart& part : parts) archive.put(prefix + "/" + part.name, std::span<const std::byte>{part.bytes});
-}
-
-void restore(const Archive& archive, const std::string& prefix, std::span<const StatePart> parts) {
-  for (const StatePart& part : parts) {
-    const std::string name = prefix + "/" + part.name;
-    const std::size_t size = archive.bytes(name).size();
-    if (size != part.bytes.size()) archive.fail(name, fmt::format("has {} bytes (limit {})", size, part.bytes.size()));
-  }
-  for (const StatePart& part : parts) {
-    const std::span<const std::byte> kept = archive.bytes(prefix + "/" + part.name);
-    if (!kept.empty()) std::memcpy(part.bytes.data(), kept.data(), kept.size());
-  }
 }
 
 }  // namespace modsearch

@@ -1,5 +1,5 @@
 #include <array>
-#include <modsearch/rl/crc32c.hpp>
+#include <modsearch/solvers/crc32c.hpp>
 
 namespace modsearch {
 namespace {

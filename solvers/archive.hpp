@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <modsearch/rl/agent.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -79,11 +78,5 @@ class Archive {
   std::string image_;              // the bytes of the file, its checksum included
   std::map<std::string, Entry> entries_;
 };
-
-/// Puts every part as the entry `prefix` + "/" + its name.
-void put(Archive& archive, const std::string& prefix, std::span<const StatePart> parts);
-/// Writes what put() has kept back into the parts. Throws FileError if an entry is missing or has another size than its
-/// part; then no part has changed.
-void restore(const Archive& archive, const std::string& prefix, std::span<const StatePart> parts);
 
 }  // namespace modsearch

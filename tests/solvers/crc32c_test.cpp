@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <modsearch/problem/rng.hpp>
-#include <modsearch/rl/crc32c.hpp>
+#include <modsearch/solvers/crc32c.hpp>
 #include <string_view>
 #include <vector>
 
