@@ -21,7 +21,10 @@ using ParameterList = std::vector<ParameterRange>;
 /// {type, parameters, pose} of a box, cylinder, sphere or mesh.
 [[nodiscard]] BodyGeometry read_geometry(const JsonCursor& cursor, const ParameterList& parameters);
 
-/// Triangles of `file` (any format assimp reads) scaled by `scale` per axis. Throws std::runtime_error (what, limit).
+/// Triangles of a VRML 2.0 file that holds nothing but Shapes of IndexedFaceSets, which is how convex decompositions are
+/// stored (Debian's assimp reads no .wrl). Throws std::runtime_error (line, what) for anything else.
+[[nodiscard]] TriangleMesh load_vrml(const std::filesystem::path& file);
+/// Triangles of `file` (.wrl, or any format assimp reads) scaled by `scale` per axis. Throws std::runtime_error (what, limit).
 [[nodiscard]] std::shared_ptr<const TriangleMesh> load_mesh(const std::filesystem::path& file,
                                                             const Eigen::Vector3d& scale);
 

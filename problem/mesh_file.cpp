@@ -33,6 +33,20 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& X_par
   for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(scene, *node.mChildren[i], X, mesh);
 }
 
+TriangleMesh load_by_assimp(const std::filesystem::path& file, const std::string& extension) {
+  Assimp::Importer importer;
+  if (!importer.IsExtensionSupported(extension)) {
+    throw std::runtime_error(fmt::format("is of a kind that is not supported yet (\"{}\")", extension));
+  }
+  const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    throw std::runtime_error(fmt::format("cannot be read: {}", importer.GetErrorString()));
+  }
+  TriangleMesh mesh;
+  add_node(*scene, *scene->mRootNode, aiMatrix4x4{}, mesh);
+  return mesh;
+}
+
 }  // namespace
 
 std::shared_ptr<const TriangleMesh> load_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
@@ -46,17 +60,8 @@ std::shared_ptr<const TriangleMesh> load_mesh(const std::filesystem::path& file,
     throw std::runtime_error(fmt::format("has {} bytes, which is too many (limit {})", size, kLargestMeshFile));
   }
 
-  Assimp::Importer importer;
   const std::string extension = file.extension().string();
-  if (!importer.IsExtensionSupported(extension)) {
-    throw std::runtime_error(fmt::format("is of a kind that is not supported yet (\"{}\")", extension));
-  }
-  const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
-  if (scene == nullptr || scene->mRootNode == nullptr) {
-    throw std::runtime_error(fmt::format("cannot be read: {}", importer.GetErrorString()));
-  }
-  auto mesh = std::make_shared<TriangleMesh>();
-  add_node(*scene, *scene->mRootNode, aiMatrix4x4{}, *mesh);
+  auto mesh = std::make_shared<TriangleMesh>(extension == ".wrl" ? load_vrml(file) : load_by_assimp(file, extension));
   if (mesh->triangles.empty()) throw std::runtime_error("holds no triangles (limit: at least 1)");
   if (mesh->triangles.size() > kMostTriangles) {
     throw std::runtime_error(fmt::format("holds {} triangles (limit {})", mesh->triangles.size(), kMostTriangles));
