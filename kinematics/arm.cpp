@@ -68,11 +68,9 @@ void Arm::set_parameters(const Eigen::VectorXd& x) {
   }
   x_ = x;
   for (int j = 0; j <= n_joints(); ++j) {
-    const AffinePose& segment = chain_->segment(j);
     Eigen::Isometry3d& X = segments_[static_cast<std::size_t>(j)];
-    X.linear() = segment.rotation;
-    X.translation() = segment.translation.at(x);
-    segment_rotates_[static_cast<std::size_t>(j)] = segment.rotation != Eigen::Matrix3d::Identity();
+    X = chain_->segment(j).at(x);
+    segment_rotates_[static_cast<std::size_t>(j)] = X.linear() != Eigen::Matrix3d::Identity();
   }
   std::size_t index = 0;
   for (const Body& body : chain_->bodies()) {
@@ -83,8 +81,7 @@ void Arm::set_parameters(const Eigen::VectorXd& x) {
         throw std::invalid_argument(
             fmt::format("Arm: body '{}' has a size of {} m at the given parameters", body.name, *size));
       }
-      filled.X_FG.linear() = geometry.X_FG.rotation;
-      filled.X_FG.translation() = geometry.X_FG.translation.at(x);
+      filled.X_FG = geometry.X_FG.at(x);
       filled.bounding_radius = bounding_radius(filled.shape);
     }
   }
@@ -125,12 +122,12 @@ Eigen::Matrix3Xd Arm::point_jacobian_q(const Posture& posture, int frame, const 
   return J;
 }
 
-Eigen::Matrix3Xd Arm::frame_jacobian_x(const Posture& posture, int frame) const {
+Eigen::Matrix3Xd Arm::point_jacobian_x(const Posture& posture, int frame, const Eigen::Vector3d& p_W) const {
   Eigen::Matrix3Xd J = Eigen::Matrix3Xd::Zero(3, chain_->n_parameters());
   for (int j = 0; j < frame; ++j) {
-    for (const AffineVector::Term& term : chain_->segment(j).translation.terms) {
-      J.col(term.parameter) += posture.frames[static_cast<std::size_t>(j)].linear() * term.direction;
-    }
+    const Eigen::Isometry3d& X_WF = posture.frames[static_cast<std::size_t>(j)];
+    chain_->segment(j).for_each_move(
+        x_, [&](const ParameterMove& move) { J.col(move.parameter) += move.velocity(X_WF, p_W); });
   }
   return J;
 }
@@ -145,26 +142,59 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> Arm::tip_jacobian_q(const Posture& post
   return J;
 }
 
-Eigen::Matrix3Xd Arm::tip_jacobian_x(const Posture& posture) const { return frame_jacobian_x(posture, n_joints() + 1); }
+Eigen::Matrix<double, 6, Eigen::Dynamic> Arm::tip_jacobian_x(const Posture& posture) const {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, chain_->n_parameters());
+  J.topRows<3>() = point_jacobian_x(posture, n_joints() + 1, posture.tip.translation());
+  J.bottomRows<3>().setZero();
+  for (int j = 0; j <= n_joints(); ++j) {
+    const Eigen::Isometry3d& X_WF = posture.frames[static_cast<std::size_t>(j)];
+    chain_->segment(j).for_each_move(x_, [&](const ParameterMove& move) {
+      if (move.turns) J.bottomRows<3>().col(move.parameter) += X_WF.linear() * move.direction;
+    });
+  }
+  return J;
+}
 
 Eigen::MatrixXd Arm::tip_hessian(const Posture& posture, const Eigen::Vector3d& y) const {
   const int n_x = chain_->n_parameters();
   const int n_q = n_joints();
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n_x + n_q, n_x + n_q);
-  const Eigen::Matrix3Xd J_q = point_jacobian_q(posture, n_q, posture.tip.translation());
-  // Only the lengths beyond joint i turn with it; walk from the tip inwards and add them up.
+  const Eigen::Vector3d p_WE = posture.tip.translation();
+  const Eigen::Matrix3Xd J_q = point_jacobian_q(posture, n_q, p_WE);
+  // Only what lies beyond a turn turns with it; walk from the tip inwards and add up the parameters' parts.
   Eigen::Matrix3Xd J_x_beyond = Eigen::Matrix3Xd::Zero(3, n_x);
-  for (int i = n_q - 1; i >= 0; --i) {
-    for (const AffineVector::Term& term : chain_->segment(i + 1).translation.terms) {
-      J_x_beyond.col(term.parameter) += posture.frames[static_cast<std::size_t>(i) + 1].linear() * term.direction;
+  std::vector<ParameterMove> moves;
+  const auto pass_segment = [&](int j) {
+    const Eigen::Isometry3d& X_WF = posture.frames[static_cast<std::size_t>(j)];
+    moves.clear();
+    chain_->segment(j).for_each_move(x_, [&](const ParameterMove& move) { moves.push_back(move); });
+    for (auto move = moves.rbegin(); move != moves.rend(); ++move) {
+      const Eigen::Vector3d velocity = move->velocity(X_WF, p_WE);
+      if (move->turns) {
+        const Eigen::Vector3d w = y.cross(X_WF.linear() * move->direction);
+        for (int k = j; k < n_q; ++k) {
+          H(move->parameter, n_x + k) += w.dot(J_q.col(k));
+          H(n_x + k, move->parameter) = H(move->parameter, n_x + k);
+        }
+        const Eigen::VectorXd mixed = J_x_beyond.transpose() * w;
+        H.row(move->parameter).head(n_x) += mixed;
+        H.col(move->parameter).head(n_x) += mixed;
+        H(move->parameter, move->parameter) += w.dot(velocity);
+      }
+      J_x_beyond.col(move->parameter) += velocity;
     }
+  };
+  for (int i = n_q - 1; i >= 0; --i) {
+    pass_segment(i + 1);
     if (!chain_->joints()[static_cast<std::size_t>(i)].rotates()) continue;
     // y . (axis x v) = (y x axis) . v
     const Eigen::Vector3d w = y.cross(posture.axis(i));
     for (int j = i; j < n_q; ++j) H(n_x + i, n_x + j) = H(n_x + j, n_x + i) = w.dot(J_q.col(j));
-    H.row(n_x + i).head(n_x) = w.transpose() * J_x_beyond;
-    H.col(n_x + i).head(n_x) = H.row(n_x + i).head(n_x).transpose();
+    const Eigen::VectorXd mixed = J_x_beyond.transpose() * w;
+    H.row(n_x + i).head(n_x) += mixed;
+    H.col(n_x + i).head(n_x) += mixed;
   }
+  pass_segment(0);
   return H;
 }
 

@@ -36,7 +36,7 @@ class Arm {
   [[nodiscard]] const Eigen::VectorXd& parameters() const { return x_; }
   [[nodiscard]] double mass() const { return chain_->mass(x_); }
   [[nodiscard]] const std::vector<ArmGeometry>& geometries() const { return geometries_; }
-  /// Fixed transform of Chain::segment(j) at the arm's lengths.
+  /// Transform of Chain::segment(j) at the arm's parameters.
   [[nodiscard]] const Eigen::Isometry3d& segment(int j) const { return segments_[static_cast<std::size_t>(j)]; }
 
   /// Forward kinematics at `q` [n_joints]. Throws std::invalid_argument if q.size() != n_joints().
@@ -46,14 +46,14 @@ class Arm {
 
   /// d p / d q of a point that moves with `frame` and is at `p_W` now: [3 x n_joints], zero for joints at or after it.
   [[nodiscard]] Eigen::Matrix3Xd point_jacobian_q(const Posture& posture, int frame, const Eigen::Vector3d& p_W) const;
-  /// d (origin of `frame`) / d x [3 x n_parameters]: only the arm's own lengths up to the frame.
-  [[nodiscard]] Eigen::Matrix3Xd frame_jacobian_x(const Posture& posture, int frame) const;
+  /// d p / d x of a point fixed in `frame` and at `p_W` now: [3 x n_parameters]. Frame n_joints + 1 is the tip.
+  [[nodiscard]] Eigen::Matrix3Xd point_jacobian_x(const Posture& posture, int frame, const Eigen::Vector3d& p_W) const;
 
   /// Geometric Jacobian of the tip in q [6 x n_joints]: linear velocity above, angular velocity below, world frame.
   [[nodiscard]] Eigen::Matrix<double, 6, Eigen::Dynamic> tip_jacobian_q(const Posture& posture) const;
-  /// d (tip position) / d x [3 x n_parameters]. The tip's orientation does not depend on x.
-  [[nodiscard]] Eigen::Matrix3Xd tip_jacobian_x(const Posture& posture) const;
-  /// Hessian of y . (tip position) in (x, q) [n_x + n_q square], symmetric; its block in x alone is zero (affine).
+  /// The same in x [6 x n_parameters]: lengths do not turn the tip, angular parameters do.
+  [[nodiscard]] Eigen::Matrix<double, 6, Eigen::Dynamic> tip_jacobian_x(const Posture& posture) const;
+  /// Hessian of y . (tip position) in (x, q) [n_x + n_q square], symmetric; zero between lengths (affine).
   [[nodiscard]] Eigen::MatrixXd tip_hessian(const Posture& posture, const Eigen::Vector3d& y) const;
 
   /// No posture puts the tip farther than this from the axis origin of the first joint (the base, without joints) [m].

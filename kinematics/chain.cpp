@@ -43,7 +43,7 @@ ChainBuilder::ChainBuilder(int n_parameters) {
   chain_.n_parameters_ = n_parameters;
 }
 
-ChainBuilder& ChainBuilder::move(const AffinePose& X) {
+ChainBuilder& ChainBuilder::move(const ParametricPose& X) {
   X_FC_ = X_FC_ * X;
   return *this;
 }
@@ -55,7 +55,7 @@ ChainBuilder& ChainBuilder::joint(Joint joint, int parent, int child) {
   }
   chain_.segments_.push_back(X_FC_);
   chain_.joints_.push_back(std::move(joint));
-  X_FC_ = AffinePose{};
+  X_FC_ = ParametricPose{};
   joined_.emplace_back(parent, child);
   return *this;
 }

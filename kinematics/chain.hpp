@@ -1,6 +1,6 @@
 #pragma once
 
-#include <modsearch/kinematics/affine.hpp>
+#include <modsearch/kinematics/parametric_pose.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,7 +30,7 @@ struct Joint {
 /// One collision shape of a body, placed in the frame the body moves with.
 struct BodyGeometry {
   AffineShape shape;
-  AffinePose X_FG;
+  ParametricPose X_FG;
 };
 
 /// A rigid piece of the arm.
@@ -49,8 +49,8 @@ enum class NeighbourRule {
   kRigidViaJoint,  ///< these, and all bodies of two rigid groups one joint apart
 };
 
-/// A serial chain of one type sequence: lengths affine in the parameters x [n_parameters] (m), joints q [n_joints]
-/// (rad or m). Built once, evaluated at any (x, q) through `at(x)` without rebuilding.
+/// A serial chain of one type sequence: lengths affine in the parameters x [n_parameters] (m; angles of twists: rad),
+/// joints q [n_joints] (rad or m). Built once, evaluated at any (x, q) through `at(x)` without rebuilding.
 ///
 /// Frames: frame 0 is the world W; frame j + 1 moves with joint j, its z axis is the joint's axis and its origin lies on
 /// it; the tip E (TCP) is fixed in frame n_joints.
@@ -63,8 +63,8 @@ class Chain {
   /// Pairs of bodies (first < second) that self-collision compares: all but the neighbours.
   [[nodiscard]] const std::vector<std::pair<int, int>>& self_pairs() const { return self_pairs_; }
 
-  /// Fixed transform from frame j to the frame of joint j before it moves; `segment(n_joints())` leads to the tip.
-  [[nodiscard]] const AffinePose& segment(int j) const { return segments_[static_cast<std::size_t>(j)]; }
+  /// Transform, fixed for given parameters, from frame j to the frame of joint j before it moves; `segment(n_joints())` leads to the tip.
+  [[nodiscard]] const ParametricPose& segment(int j) const { return segments_[static_cast<std::size_t>(j)]; }
 
   /// Joint limits [n_joints]; infinite for continuous joints.
   [[nodiscard]] Eigen::VectorXd lower_limits() const;
@@ -84,7 +84,7 @@ class Chain {
   friend class ChainBuilder;
   int n_parameters_ = 0;
   std::vector<Joint> joints_;
-  std::vector<AffinePose> segments_;  // [n_joints + 1]
+  std::vector<ParametricPose> segments_;  // [n_joints + 1]
   std::vector<Body> bodies_;
   std::vector<std::pair<int, int>> self_pairs_;
   AffineScalar mass_;
@@ -95,8 +95,8 @@ class ChainBuilder {
  public:
   explicit ChainBuilder(int n_parameters);
 
-  /// Moves the current frame by a fixed transform (a fixed joint is nothing else).
-  ChainBuilder& move(const AffinePose& X);
+  /// Moves the current frame by a fixed transform (a fixed joint is nothing else), which parameters may shift and turn.
+  ChainBuilder& move(const ParametricPose& X);
   /// Adds a joint about or along z of the current frame, which moves with it from here on.
   /// `parent`, `child`: the bodies it connects (indices given by `body`), for the neighbour rule; -1: none.
   /// Throws std::invalid_argument for limits that are reversed or NaN.
@@ -108,7 +108,7 @@ class ChainBuilder {
 
  private:
   Chain chain_;
-  AffinePose X_FC_;  // the current frame C in the frame F of the last joint
+  ParametricPose X_FC_;  // the current frame C in the frame F of the last joint
   std::vector<std::pair<int, int>> joined_;  // bodies that a joint connects
 };
 

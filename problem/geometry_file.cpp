@@ -7,8 +7,8 @@
 namespace modsearch::detail {
 namespace {
 
-/// Index of the parameter that `cursor` names, which has to be a length.
-int parameter_index(const JsonCursor& cursor, const ParameterList& parameters) {
+/// Index of the parameter that `cursor` names, which has to be of `unit`.
+int parameter_index(const JsonCursor& cursor, const ParameterList& parameters, std::string_view unit) {
   const std::string name = cursor.text();
   const auto found = std::find_if(parameters.begin(), parameters.end(),
                                   [&](const ParameterRange& range) { return range.name == name; });
@@ -17,7 +17,10 @@ int parameter_index(const JsonCursor& cursor, const ParameterList& parameters) {
     for (const ParameterRange& range : parameters) known += (known.empty() ? "" : ", ") + range.name;
     cursor.fail_value(fmt::format("a parameter of this module (known: {})", known.empty() ? "none" : known));
   }
-  if (found->unit != "m") cursor.fail_value(fmt::format("a length, its unit is \"{}\" (limit: \"m\")", found->unit));
+  if (found->unit != unit) {
+    cursor.fail_value(
+        fmt::format("{}, its unit is \"{}\" (limit: \"{}\")", unit == "m" ? "a length" : "an angle", found->unit, unit));
+  }
   return static_cast<int>(found - parameters.begin());
 }
 
@@ -44,10 +47,11 @@ std::shared_ptr<const TriangleMesh> read_mesh(const JsonCursor& parameters) {
 
 }  // namespace
 
-AffineScalar read_affine(const JsonCursor& cursor, const ParameterList& parameters, double lower) {
+AffineScalar read_affine(const JsonCursor& cursor, const ParameterList& parameters, double lower,
+                         std::string_view unit) {
   if (!cursor.value().is_object()) return cursor.number({.lower = lower});
   cursor.expect_keys({"parameter", "scale", "offset"});
-  const int index = parameter_index(cursor.at("parameter"), parameters);
+  const int index = parameter_index(cursor.at("parameter"), parameters, unit);
   const double scale = cursor.number_or("scale", 1.0);
   const double offset = cursor.number_or("offset", 0.0);
   const ParameterRange& range = parameters[static_cast<std::size_t>(index)];

@@ -11,9 +11,10 @@ namespace modsearch::detail {
 using ParameterList = std::vector<ParameterRange>;
 
 /// A number, or {"parameter": name, "scale": 1, "offset": 0} meaning offset + scale * value, never below `lower` within
-/// the parameter's interval.
+/// the parameter's interval. `unit`: of the parameters that may stand here.
 [[nodiscard]] AffineScalar read_affine(const JsonCursor& cursor, const ParameterList& parameters,
-                                       double lower = -std::numeric_limits<double>::infinity());
+                                       double lower = -std::numeric_limits<double>::infinity(),
+                                       std::string_view unit = "m");
 /// [3] such numbers.
 [[nodiscard]] AffineVector read_affine_vector(const JsonCursor& cursor, const ParameterList& parameters);
 /// A 4x4 pose whose translation consists of such numbers.

@@ -118,8 +118,8 @@ void read_limits(const JsonCursor& limits, Joint& joint) {
 
 ModuleJoint read_joint(const JsonCursor& cursor, const ParameterList& parameters,
                        const std::vector<ModuleBody>& bodies) {
-  cursor.expect_keys({"ID", "parent", "child", "type", "passive", "poseParent", "poseChild", "limits", "gearRatio",
-                      "motorInertia", "frictionCoulomb", "frictionViscous"});
+  cursor.expect_keys({"ID", "parent", "child", "type", "passive", "poseParent", "poseChild", "angle", "limits",
+                      "gearRatio", "motorInertia", "frictionCoulomb", "frictionViscous"});
   ModuleJoint result;
   result.joint.name = cursor.at("ID").text();
   result.parent = body_index(cursor.at("parent"), bodies);
@@ -135,6 +135,10 @@ ModuleJoint read_joint(const JsonCursor& cursor, const ParameterList& parameters
   result.X_PJ = read_affine_pose(cursor.at("poseParent"), parameters);
   result.X_JC = read_affine_pose(cursor.at("poseChild"), parameters);
   if (!result.fixed) read_limits(cursor.at("limits"), result.joint);
+  if (const std::optional<JsonCursor> angle = cursor.find("angle")) {
+    if (!result.fixed) angle->fail("only a joint of type \"fixed\" may have an angle");
+    result.angle = read_affine(*angle, parameters, -kInf, "rad");
+  }
   constexpr NumberLimits kNotNegative{.lower = 0.0};
   result.gear_ratio = cursor.number_or("gearRatio", 1.0);
   result.motor_inertia = cursor.number_or("motorInertia", 0.0, kNotNegative);

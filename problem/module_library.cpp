@@ -84,10 +84,17 @@ std::vector<int> path_to(const Tree& tree, int tip) {
   return path;
 }
 
-void check_indices(const ModuleType& module, const AffineScalar& number, const std::string& what) {
+/// The parameters that a number uses exist and have the unit that its place asks for.
+void check_indices(const ModuleType& module, const AffineScalar& number, const std::string& what,
+                   std::string_view unit = "m") {
   for (const AffineScalar::Term& term : number.terms) {
     if (term.parameter < 0 || term.parameter >= module.n_parameters()) {
       refuse(module, fmt::format("{} uses parameter {} of {}", what, term.parameter, module.n_parameters()));
+    }
+    const ParameterRange& range = module.parameters[static_cast<std::size_t>(term.parameter)];
+    if (range.unit != unit) {
+      refuse(module, fmt::format("{} uses parameter '{}' of unit \"{}\" (limit: \"{}\")", what, range.name, range.unit,
+                                 unit));
     }
   }
 }
@@ -112,6 +119,8 @@ void check_translation(const ModuleType& module, const AffineVector& vector, con
   for (const AffineVector::Term& term : vector.terms)
     check_indices(module, AffineScalar::of_parameter(term.parameter), what);
 }
+
+bool is_zero(const AffineScalar& number) { return number.terms.empty() && number.offset == 0.0; }
 
 void check_parameters(const ModuleType& module) {
   if (module.n_parameters() > ModuleLibrary::kMaxParameters) {
@@ -139,7 +148,8 @@ void check_bodies(const ModuleType& module) {
       check_translation(module, connector.X_BC.translation, fmt::format("connector '{}'", connector.id));
     }
     for (const BodyGeometry& geometry : body.collision) {
-      check_translation(module, geometry.X_FG.translation, "a collision pose of " + what);
+      if (!geometry.X_FG.affine()) refuse(module, "a collision pose of " + what + " is turned by a parameter");
+      check_translation(module, geometry.X_FG.head.translation, "a collision pose of " + what);
       for (const AffineScalar& size : geometry.shape.size)
         check_not_negative(module, size, "a collision size of " + what);
     }
@@ -159,6 +169,9 @@ void check_joints(const ModuleType& module) {
     if (joint.parent == joint.child) refuse(module, what + " joins a body to itself");
     check_translation(module, joint.X_PJ.translation, what);
     check_translation(module, joint.X_JC.translation, what);
+    check_indices(module, joint.angle, "the angle of " + what, "rad");
+    if (!std::isfinite(joint.angle.offset)) refuse(module, "the angle of " + what + " is not finite");
+    if (!joint.fixed && !is_zero(joint.angle)) refuse(module, what + " moves and has an angle, which only a fixed one may");
     if (!joint.fixed && !(joint.joint.lower <= joint.joint.upper)) {
       refuse(module,
              fmt::format("{}: limits [{}, {}] are not an interval", what, joint.joint.lower, joint.joint.upper));
@@ -180,6 +193,12 @@ void check_serial(const ModuleType& module, int entry_body, int exit_body) {
   }
 }
 
+/// Pose of the other body in the frame of the one that a fixed joint is crossed from; `forward`: from parent to child.
+ParametricPose across(const ModuleJoint& joint, bool forward) {
+  const ParametricPose X_PC = ParametricPose{joint.X_PJ} * ParametricPose::turn(joint.angle) * joint.X_JC;
+  return forward ? X_PC : X_PC.inverse();
+}
+
 /// Lays one module after the other from the base outwards.
 class Assembly {
  public:
@@ -195,8 +214,8 @@ class Assembly {
       const int joint = tree.joint[static_cast<std::size_t>(body)];
       if (joint >= 0) cross(module, placement, joint, body, current);
       current = n_bodies_;
-      add_body(module, placement, body, AffinePose{});
-      add_rigid_branches(module, placement, tree, body, exit_body, AffinePose{});
+      add_body(module, placement, body, ParametricPose{});
+      add_rigid_branches(module, placement, tree, body, exit_body, ParametricPose{});
     }
     builder_.move(exit.X_BC.shifted(shift_));
     shift_ += module.n_parameters();
@@ -210,21 +229,23 @@ class Assembly {
   void cross(const ModuleType& module, int placement, int joint_index, int body, int from) {
     const ModuleJoint& joint = module.joints[static_cast<std::size_t>(joint_index)];
     const bool forward = joint.child == body;
+    if (joint.fixed) {
+      builder_.move(across(joint, forward).shifted(shift_));
+      return;
+    }
     const AffinePose X_PJ = joint.X_PJ.shifted(shift_);
     const AffinePose X_JC = joint.X_JC.shifted(shift_);
     builder_.move(forward ? X_PJ : X_JC.inverse());
-    if (!joint.fixed) {
-      Joint axis = joint.joint;
-      axis.name = fmt::format("{}.{}.{}", placement + 1, module.id, axis.name);
-      if (!forward) builder_.move(facing());
-      builder_.joint(std::move(axis), from, n_bodies_);
-      if (!forward) builder_.move(facing());
-    }
+    Joint axis = joint.joint;
+    axis.name = fmt::format("{}.{}.{}", placement + 1, module.id, axis.name);
+    if (!forward) builder_.move(facing());
+    builder_.joint(std::move(axis), from, n_bodies_);
+    if (!forward) builder_.move(facing());
     builder_.move(forward ? X_JC : X_PJ.inverse());
   }
 
   /// `X_FB`: pose of the body in the current frame.
-  void add_body(const ModuleType& module, int placement, int index, const AffinePose& X_FB) {
+  void add_body(const ModuleType& module, int placement, int index, const ParametricPose& X_FB) {
     const ModuleBody& body = module.bodies[static_cast<std::size_t>(index)];
     std::vector<BodyGeometry> geometries = body.collision;
     for (BodyGeometry& geometry : geometries) {
@@ -237,14 +258,13 @@ class Assembly {
 
   /// Bodies that hang on `body` by fixed joints beside the path to `exit_body`.
   void add_rigid_branches(const ModuleType& module, int placement, const Tree& tree, int body, int exit_body,
-                          const AffinePose& X_FB) {
+                          const ParametricPose& X_FB) {
     const std::vector<int> path = path_to(tree, exit_body);
     for (int other = 0; other < static_cast<int>(module.bodies.size()); ++other) {
       if (tree.parent[static_cast<std::size_t>(other)] != body) continue;
       if (std::find(path.begin(), path.end(), other) != path.end()) continue;
       const ModuleJoint& joint = module.joints[static_cast<std::size_t>(tree.joint[static_cast<std::size_t>(other)])];
-      const AffinePose X_PC = joint.X_PJ.shifted(shift_) * joint.X_JC.shifted(shift_);
-      const AffinePose X_FO = X_FB * (joint.child == other ? X_PC : X_PC.inverse());
+      const ParametricPose X_FO = X_FB * across(joint, joint.child == other).shifted(shift_);
       add_body(module, placement, other, X_FO);
       add_rigid_branches(module, placement, tree, other, exit_body, X_FO);
     }
@@ -267,7 +287,8 @@ bool Connector::fits(const Connector& other) const {
 ModuleRole ModuleType::role() const {
   if (has_connector(*this, kBaseConnector)) return ModuleRole::kBase;
   if (has_connector(*this, kTipConnector)) return ModuleRole::kEndEffector;
-  return joints.empty() ? ModuleRole::kLink : ModuleRole::kJoint;
+  const bool moves = std::any_of(joints.begin(), joints.end(), [](const ModuleJoint& joint) { return !joint.fixed; });
+  return moves ? ModuleRole::kJoint : ModuleRole::kLink;
 }
 
 ModuleLibrary::ModuleLibrary(std::string name, std::vector<ModuleType> modules, NeighbourRule rule)

@@ -42,13 +42,15 @@ struct ModuleBody {
   bool uniform_inertia = false;                       ///< derived from mass and collision geometry
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre of mass, axes of B [kg m^2]
   std::vector<Connector> connectors;
-  std::vector<BodyGeometry> collision;  ///< X_FG is X_BG here
+  std::vector<BodyGeometry> collision;  ///< X_FG is X_BG here, and affine
 };
 
-/// A joint between two bodies of one module: child = parent * X_PJ * (Rz(q) or Tz(q)) * X_JC.
+/// A joint between two bodies of one module: child = parent * X_PJ * (Rz(q) or Tz(q)) * X_JC. A fixed one may be turned
+/// by an angular parameter (the twist of a link): child = parent * X_PJ * Rz(angle) * X_JC.
 struct ModuleJoint {
   Joint joint;
   bool fixed = false;  ///< does not move: `joint` holds no limits
+  AffineScalar angle;  ///< of a fixed joint [rad]
   int parent = 0;      ///< body indices within the module
   int child = 0;
   AffinePose X_PJ;
@@ -63,7 +65,7 @@ struct ModuleJoint {
 enum class ModuleRole {
   kBase,         ///< has a connector of type "base"
   kLink,         ///< rigid
-  kJoint,        ///< has joints
+  kJoint,        ///< has joints that move
   kEndEffector,  ///< has a connector of type "eef"
 };
 

@@ -53,10 +53,11 @@ std::vector<AffineVector> rigid_pieces(const ModuleType& module) {
     const ModuleJoint& joint = module.joints[static_cast<std::size_t>(j)];
     const bool forward = joint.parent == body;
     X = X * (forward ? joint.X_PJ : joint.X_JC.inverse());
-    if (!joint.fixed) {
+    const bool turned = !joint.angle.terms.empty() || joint.angle.offset != 0.0;
+    if (!joint.fixed || turned) {  // what comes next may point anywhere
       pieces.push_back(X.translation);
       X = AffinePose{};
-      if (!joint.joint.rotates()) {
+      if (!joint.fixed && !joint.joint.rotates()) {
         const double travel = std::max(std::abs(joint.joint.lower), std::abs(joint.joint.upper));
         pieces.push_back(AffineVector{Eigen::Vector3d{0.0, 0.0, travel}});
       }

@@ -230,7 +230,7 @@ void TaskProgram::do_evaluate(const Eigen::VectorXd& v, Values& values) {
 
 void TaskProgram::goal_values(int goal, Values& values) const {
   const Eigen::Matrix<double, 6, Eigen::Dynamic> J_q = arm_.tip_jacobian_q(posture_);
-  const Eigen::Matrix3Xd J_x = arm_.tip_jacobian_x(posture_);
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> J_x = arm_.tip_jacobian_x(posture_);
   for (const GoalRows& rows : goal_rows_) {
     if (rows.goal != goal) continue;
     const Eigen::Isometry3d& X_WN = rows.region.nominal();
@@ -238,25 +238,27 @@ void TaskProgram::goal_values(int goal, Values& values) const {
     switch (rows.form) {
       case Form::kPositionBall:
         values.rows.segment<3>(rows.first) = offset;
-        values.jacobian.block(rows.first, 0, 3, n_x_) = J_x;
+        values.jacobian.block(rows.first, 0, 3, n_x_) = J_x.topRows<3>();
         values.jacobian.block(rows.first, q_at(goal), 3, n_q_) = J_q.topRows<3>();
         break;
       case Form::kAxisBall:
         values.rows.segment<2>(rows.first) = rows.R_TW.topRows<2>() * offset;
-        values.jacobian.block(rows.first, 0, 2, n_x_) = rows.R_TW.topRows<2>() * J_x;
+        values.jacobian.block(rows.first, 0, 2, n_x_) = rows.R_TW.topRows<2>() * J_x.topRows<3>();
         values.jacobian.block(rows.first, q_at(goal), 2, n_q_) = rows.R_TW.topRows<2>() * J_q.topRows<3>();
         break;
       case Form::kRotationBall: {
         // World axes: R_WE = exp(r) R_WN.
         const Eigen::Vector3d r = rotation_vector(posture_.tip.linear() * X_WN.linear().transpose());
         values.rows.segment<3>(rows.first) = r;
-        values.jacobian.block(rows.first, q_at(goal), 3, n_q_) = inverse_left_jacobian(r) * J_q.bottomRows<3>();
+        const Eigen::Matrix3d dr = inverse_left_jacobian(r);
+        values.jacobian.block(rows.first, 0, 3, n_x_) = dr * J_x.bottomRows<3>();
+        values.jacobian.block(rows.first, q_at(goal), 3, n_q_) = dr * J_q.bottomRows<3>();
         break;
       }
       case Form::kInterval: {
         const Eigen::Matrix<double, 1, 6> J = rows.region.jacobian(posture_.tip);
         values.rows[rows.first] = rows.region.values(posture_.tip)[0];
-        values.jacobian.block(rows.first, 0, 1, n_x_) = J.head<3>() * J_x;
+        values.jacobian.block(rows.first, 0, 1, n_x_) = J * J_x;
         values.jacobian.block(rows.first, q_at(goal), 1, n_q_) = J * J_q;
         break;
       }
@@ -275,10 +277,10 @@ void TaskProgram::add_clearance_gradient(Eigen::Index row, int goal, int geometr
 
   auto gradient = values.jacobian.row(row);
   gradient.segment(q_at(goal), n_q_) += n_W.transpose() * arm_.point_jacobian_q(posture_, shape.frame, p_W);
-  gradient.head(n_x_) += n_W.transpose() * arm_.frame_jacobian_x(posture_, shape.frame);
-  for (const AffineVector::Term& term : affine->X_FG.translation.terms) {
-    gradient[term.parameter] += n_W.dot(X_WF.linear() * term.direction);
-  }
+  gradient.head(n_x_) += n_W.transpose() * arm_.point_jacobian_x(posture_, shape.frame, p_W);
+  affine->X_FG.for_each_move(arm_.parameters(), [&](const ParameterMove& move) {
+    gradient[move.parameter] += n_W.dot(move.velocity(X_WF, p_W));
+  });
   if (!shape_counts) return;
   const Eigen::Vector3d u_G = (X_WF.linear() * shape.X_FG.linear()).transpose() * -n_W;
   const Eigen::Vector3d growth = support_growth(affine->shape, u_G);
@@ -346,6 +348,7 @@ Eigen::MatrixXd TaskProgram::do_hessian(const Eigen::VectorXd& v, double /*objec
     }
     arm_.forward(v.data() + q_at(goal), posture_);
     const Eigen::MatrixXd tip = arm_.tip_hessian(posture_, y);
+    H.topLeftCorner(n_x_, n_x_) += tip.topLeftCorner(n_x_, n_x_);
     H.block(0, q_at(goal), n_x_, n_q_) += tip.topRightCorner(n_x_, n_q_);
     H.block(q_at(goal), 0, n_q_, n_x_) += tip.bottomLeftCorner(n_q_, n_x_);
     H.block(q_at(goal), q_at(goal), n_q_, n_q_) += tip.bottomRightCorner(n_q_, n_q_);

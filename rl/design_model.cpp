@@ -122,11 +122,12 @@ std::optional<ActionModel::Look> DesignModel::look(int k, std::span<const float>
   bench.arm->forward(q.data(), bench.posture);
   const Eigen::Vector3d away = (bench.posture.tip.translation() - missed->p_W) / look.error;
   for (int j = 0; j <= chain.n_joints(); ++j) {
-    for (const AffineVector::Term& term : chain.segment(j).translation.terms) {
-      if (term.parameter < first) continue;
-      const Eigen::Vector3d direction = bench.posture.frames[static_cast<std::size_t>(j)].linear() * term.direction;
-      look.error_slope[term.parameter - first] += away.dot(direction) * unit(term.parameter);
-    }
+    const Eigen::Isometry3d& X_WF = bench.posture.frames[static_cast<std::size_t>(j)];
+    chain.segment(j).for_each_move(bench.x, [&](const ParameterMove& move) {
+      if (move.parameter < first) return;
+      const Eigen::Vector3d velocity = move.velocity(X_WF, bench.posture.tip.translation());
+      look.error_slope[move.parameter - first] += away.dot(velocity) * unit(move.parameter);
+    });
   }
   return look;
 }

@@ -45,17 +45,23 @@ struct Recipe {
     bool moves = false;  // a joint, else a fixed transform
     JointType type = JointType::kRevolute;
     AffinePose X;
+    AffineScalar twist;  // about z, before X
   };
   std::vector<Step> steps;
 
-  explicit Recipe(std::mt19937& generator) {
+  explicit Recipe(std::mt19937& generator, bool twisted = false) {
     const int n = static_cast<int>(generator() % 12);
     for (int i = 0; i < n; ++i) {
       constexpr std::array kTypes{JointType::kRevolute, JointType::kPrismatic, JointType::kContinuous};
       if (generator() % 2 == 0) {
-        steps.push_back({true, kTypes[generator() % 3], {}});
+        steps.push_back({true, kTypes[generator() % 3], {}, {}});
       } else {
-        steps.push_back({false, {}, random_pose(generator)});
+        steps.push_back({false, {}, random_pose(generator), {}});
+      }
+      if (twisted && generator() % 2 == 0) {
+        const int parameter = static_cast<int>(generator() % kParameters);
+        steps.back().moves = false;
+        steps.back().twist = AffineScalar::of_parameter(parameter, uniform(generator, -2, 2), uniform(generator, -1, 1));
       }
     }
   }
@@ -67,7 +73,7 @@ struct Recipe {
         const double limit = step.type == JointType::kContinuous ? std::numeric_limits<double>::infinity() : 3.0;
         builder.joint({.name = "j", .type = step.type, .lower = -limit, .upper = limit});
       } else {
-        builder.move(step.X);
+        builder.move(ParametricPose::turn(step.twist) * step.X);
       }
     }
     return builder.build();
@@ -80,6 +86,10 @@ struct Recipe {
         const auto type = step.type == JointType::kPrismatic ? KDL::Joint::TransZ : KDL::Joint::RotZ;
         chain.addSegment(KDL::Segment{KDL::Joint{type}});
       } else {
+        if (!step.twist.terms.empty()) {
+          const KDL::Frame twist{KDL::Rotation::RotZ(step.twist.at(x))};
+          chain.addSegment(KDL::Segment{KDL::Joint{KDL::Joint::None}, twist});
+        }
         const Eigen::Matrix3d& R = step.X.rotation;
         Eigen::Vector3d p = step.X.translation.offset;
         for (const AffineVector::Term& term : step.X.translation.terms) p += x[term.parameter] * term.direction;
@@ -168,7 +178,8 @@ TEST(Arm, JacobiansOfPointsOnEveryFrameAgreeWithCentralDifferences) {
             (arm.forward(q + h).frames[f] * p_F - arm.forward(q - h).frames[f] * p_F) / (2.0 * kStep);
         ASSERT_LE((J.col(j) - expected).norm(), kStepError);
       }
-      const Eigen::Matrix3Xd J_x = arm.frame_jacobian_x(posture, frame);
+      const Eigen::Matrix3Xd J_x =
+          arm.point_jacobian_x(posture, frame, posture.frames[static_cast<std::size_t>(frame)].translation());
       for (int k = 0; k < kParameters; ++k) {
         const Eigen::VectorXd h = Eigen::VectorXd::Unit(kParameters, k);  // affine: any step is exact
         const Eigen::Vector3d expected =
@@ -191,7 +202,7 @@ TEST(Arm, TipJacobianInTheParametersAndHessianAgreeWithDifferences) {
     const Arm arm = chain.at(x);
     const Posture posture = arm.forward(q);
 
-    const Eigen::Matrix3Xd J_x = arm.tip_jacobian_x(posture);
+    const Eigen::Matrix3Xd J_x = arm.tip_jacobian_x(posture).topRows<3>();
     for (int k = 0; k < kParameters; ++k) {
       const Arm longer = chain.at(x + Eigen::VectorXd::Unit(kParameters, k));
       ASSERT_LE((J_x.col(k) - (longer.forward(q).tip.translation() - posture.tip.translation())).norm(), 1e-12);
@@ -201,7 +212,7 @@ TEST(Arm, TipJacobianInTheParametersAndHessianAgreeWithDifferences) {
       const Arm moved = chain.at(at_x);
       const Posture there = moved.forward(at_q);
       Eigen::VectorXd g(kParameters + n);
-      g << moved.tip_jacobian_x(there).transpose() * y, moved.tip_jacobian_q(there).topRows<3>().transpose() * y;
+      g << moved.tip_jacobian_x(there).topRows<3>().transpose() * y, moved.tip_jacobian_q(there).topRows<3>().transpose() * y;
       return g;
     };
     const Eigen::MatrixXd H = arm.tip_hessian(posture, y);
@@ -232,6 +243,80 @@ TEST(Arm, TipIsAffineInTheParameters) {
       ASSERT_EQ(at_unit.linear(), at_zero.linear());
     }
     ASSERT_LE((chain.at(x).forward(q).tip.translation() - expected).norm(), 1e-13 * (1.0 + 20.0));
+  }
+}
+
+TEST(Arm, WithTwistsAgreesWithKdlOnAThousandRandomChains) {
+  std::mt19937 generator{21};
+  for (int i = 0; i < 1000; ++i) {
+    const Recipe recipe{generator, true};
+    const Chain chain = recipe.chain();
+    const Eigen::VectorXd x = random_vector(kParameters, generator);
+    const Eigen::VectorXd q = 3.0 * random_vector(chain.n_joints(), generator);
+    const KDL::Chain kdl_chain = recipe.kdl(x);
+    KDL::ChainFkSolverPos_recursive solver{kdl_chain};
+    KDL::Frame expected;
+    solver.JntToCart(jnt_array(q), expected);
+    const Eigen::Isometry3d tip = chain.at(x).forward(q).tip;
+    for (int r = 0; r < 3; ++r) {
+      ASSERT_NEAR(tip.translation()[r], expected.p[r], 1e-12);
+      for (int c = 0; c < 3; ++c) ASSERT_NEAR(tip.linear()(r, c), expected.M(r, c), 1e-12);
+    }
+  }
+}
+
+TEST(Arm, DerivativesInTwistsAgreeWithCentralDifferences) {
+  std::mt19937 generator{22};
+  for (int i = 0; i < 200; ++i) {
+    const Chain chain = Recipe{generator, true}.chain();
+    const int n = chain.n_joints();
+    const Eigen::VectorXd x = random_vector(kParameters, generator);
+    const Eigen::VectorXd q = 3.0 * random_vector(n, generator);
+    const Eigen::Vector3d y = random_vector(3, generator);
+    const Arm arm = chain.at(x);
+    const Posture posture = arm.forward(q);
+
+    // A point that lies off the origin of its frame feels the frame turn.
+    const Eigen::Vector3d p_F = random_vector(3, generator);
+    for (int frame = 0; frame <= n + 1; ++frame) {
+      const auto point = [&](const Posture& at) -> Eigen::Vector3d {
+        return (frame <= n ? at.frames[static_cast<std::size_t>(frame)] : at.tip) * p_F;
+      };
+      const Eigen::Matrix3Xd J = arm.point_jacobian_x(posture, frame, point(posture));
+      for (int k = 0; k < kParameters; ++k) {
+        const Eigen::VectorXd h = kStep * Eigen::VectorXd::Unit(kParameters, k);
+        const Eigen::Vector3d expected =
+            (point(chain.at(x + h).forward(q)) - point(chain.at(x - h).forward(q))) / (2.0 * kStep);
+        ASSERT_LE((J.col(k) - expected).norm(), kStepError) << "chain " << i << " frame " << frame;
+      }
+    }
+
+    const Eigen::Matrix<double, 6, Eigen::Dynamic> J_x = arm.tip_jacobian_x(posture);
+    for (int k = 0; k < kParameters; ++k) {
+      const Eigen::VectorXd h = kStep * Eigen::VectorXd::Unit(kParameters, k);
+      const Eigen::Matrix3d ahead = chain.at(x + h).forward(q).tip.linear();
+      const Eigen::Matrix3d behind = chain.at(x - h).forward(q).tip.linear();
+      // dR = [w] R, so the skew part of dR R^T is w.
+      const Eigen::Matrix3d W = (ahead - behind) / (2.0 * kStep) * posture.tip.linear().transpose();
+      ASSERT_LE((J_x.bottomRows<3>().col(k) - Eigen::Vector3d{W(2, 1), W(0, 2), W(1, 0)}).norm(), kStepError);
+    }
+
+    const auto gradient = [&](const Eigen::VectorXd& at_x, const Eigen::VectorXd& at_q) {
+      const Arm moved = chain.at(at_x);
+      const Posture there = moved.forward(at_q);
+      Eigen::VectorXd g(kParameters + n);
+      g << moved.tip_jacobian_x(there).topRows<3>().transpose() * y,
+          moved.tip_jacobian_q(there).topRows<3>().transpose() * y;
+      return g;
+    };
+    const Eigen::MatrixXd H = arm.tip_hessian(posture, y);
+    for (int c = 0; c < kParameters + n; ++c) {
+      Eigen::VectorXd h_x = Eigen::VectorXd::Zero(kParameters);
+      Eigen::VectorXd h_q = Eigen::VectorXd::Zero(n);
+      (c < kParameters ? h_x[c] : h_q[c - kParameters]) = kStep;
+      const Eigen::VectorXd expected = (gradient(x + h_x, q + h_q) - gradient(x - h_x, q - h_q)) / (2.0 * kStep);
+      ASSERT_LE((H.col(c) - expected).cwiseAbs().maxCoeff(), 4.0 * kStepError) << "chain " << i << " column " << c;
+    }
   }
 }
 
@@ -268,7 +353,7 @@ TEST(Arm, PlacesItsShapesAndTheirSizes) {
     const AffinePose middle{Eigen::Matrix3d::Identity(), {0.0, 0.0, AffineScalar::of_parameter(parameter, 0.5)}};
     const AffineShape shape{AffineShape::Kind::kCylinder, {0.05, AffineScalar::of_parameter(parameter)}, nullptr};
     builder.body("rod", 0, AffineScalar::of_parameter(parameter, 2.0), {{shape, middle}});
-    builder.move({Eigen::Matrix3d::Identity(), {0.0, 0.0, AffineScalar::of_parameter(parameter)}});
+    builder.move(AffinePose{Eigen::Matrix3d::Identity(), {0.0, 0.0, AffineScalar::of_parameter(parameter)}});
   };
   const Eigen::Isometry3d to_x{Eigen::AngleAxisd{kPi / 2, Eigen::Vector3d::UnitY()}};
   rod(0);

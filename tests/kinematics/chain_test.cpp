@@ -33,13 +33,13 @@ TEST(Chain, KeepsWhatTheBuilderWasGivenInOrder) {
   builder.move(up)
       .move(up)
       .joint(joint(-1, 2))
-      .move({Eigen::Matrix3d::Identity(), {0.0, AffineScalar::of_parameter(1), 0.0}});
+      .move(AffinePose{Eigen::Matrix3d::Identity(), {0.0, AffineScalar::of_parameter(1), 0.0}});
   const Chain chain = builder.build();
   EXPECT_EQ(chain.n_joints(), 1);
   EXPECT_EQ(chain.n_parameters(), 2);
   const Eigen::Vector2d x{5.0, 7.0};
-  EXPECT_LE((chain.segment(0).translation.at(x) - Eigen::Vector3d(0, 0, 0.6)).norm(), 1e-15);  // both moves in one
-  EXPECT_EQ(chain.segment(1).translation.at(x), Eigen::Vector3d(0, 7, 0));
+  EXPECT_LE((chain.segment(0).at(x).translation() - Eigen::Vector3d(0, 0, 0.6)).norm(), 1e-15);  // both moves in one
+  EXPECT_EQ(chain.segment(1).at(x).translation(), Eigen::Vector3d(0, 7, 0));
   EXPECT_EQ(chain.lower_limits(), Eigen::VectorXd::Constant(1, -1.0));
   EXPECT_EQ(chain.upper_limits(), Eigen::VectorXd::Constant(1, 2.0));
 }

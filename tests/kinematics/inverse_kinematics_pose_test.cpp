@@ -169,7 +169,7 @@ TEST(InverseKinematics, EqualInputsGiveEqualBitsFromTwoThreadsToo) {
 
 TEST(InverseKinematics, AnArmWithoutJointsIsWhereItIs) {
   ChainBuilder builder{1};
-  builder.move({Eigen::Matrix3d::Identity(), AffineVector{0.0, 0.0, AffineScalar::of_parameter(0)}});
+  builder.move(AffinePose{Eigen::Matrix3d::Identity(), AffineVector{0.0, 0.0, AffineScalar::of_parameter(0)}});
   const Chain chain = builder.build();
   const Arm arm = chain.at(Eigen::VectorXd::Constant(1, 0.8));
   const IkSolution near = inverse_kinematics(arm, PoseRegion::ball({0, 0, 0.8005}, kTolerance));

@@ -137,6 +137,46 @@ TEST(TaskProgram, HasExactGradientsOfClearance) {
   expect_exact_gradients(program, 25, rng);
 }
 
+TEST(TaskProgram, HasExactDerivativesInATwist) {
+  // The seed library with a link that is turned about its axis by a parameter, and a box beside the axis.
+  std::vector<ModuleType> modules;
+  const std::shared_ptr<const ModuleLibrary> seed = load_library("seed");
+  modules.push_back(seed->base());
+  for (int k = 0; k < seed->n_types(); ++k) modules.push_back(seed->type(k));
+  ModuleType& link = modules[1];
+  link.parameters.push_back({"twist", "rad", -1.0, 1.0});
+  ModuleBody far = link.bodies[0];
+  far.id = "far";
+  far.collision = {{AffineShape{AffineShape::Kind::kBox, {0.1, 0.4, 0.1}, nullptr},
+                    AffinePose{Eigen::Isometry3d{Eigen::Translation3d{0.3, 0.0, 0.2}}}}};
+  far.connectors.erase(far.connectors.begin());
+  link.bodies[0].connectors.pop_back();
+  link.bodies.push_back(far);
+  ModuleJoint twist;
+  twist.joint.name = "twist";
+  twist.fixed = true;
+  twist.angle = AffineScalar::of_parameter(1);
+  twist.child = 1;
+  link.joints = {twist};
+
+  RobotProblemSpec spec = spec_of("seed/random_obstacles");
+  spec.library = std::make_shared<const ModuleLibrary>("twisted", std::move(modules));
+  spec.level = Level::kPostureSelf;
+  spec.task = std::make_shared<GoalTask>(
+      "pose", std::vector<Goal>{pose_goal({{Projection::kRSph, 0.0, 0.01, Eigen::Matrix3d::Identity()},
+                                           {Projection::kThetaR, 0.0, 0.1, Eigen::Matrix3d::Identity()},
+                                           {Projection::kNz, -0.1, 0.1, Eigen::Matrix3d::Identity()}})});
+  const RobotProblem problem{spec};
+  TaskProgram program{problem, types(spec, {"hinge", "link", "hinge"}), {}};
+  EXPECT_EQ(program.n_variables(), 2 + 2 + 2 + 3);
+  Rng rng{6};
+  expect_exact_gradients(program, 15, rng);
+  spec.level = Level::kNone;  // rows of clearance have no second derivatives
+  const RobotProblem free{spec};
+  TaskProgram poses{free, types(spec, {"hinge", "link", "hinge"}), {}};
+  expect_exact_hessian(poses, 5, rng);
+}
+
 TEST(TaskProgram, StartsWithinItsBoundsAndAtPosturesThatComeClose) {
   const RobotProblem problem{spec_of("seed/random_obstacles")};
   TaskProgram program{problem, types(problem.spec(), {"hinge", "hinge"}), {}};
