@@ -1,0 +1,14 @@
+#pragma once
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace modsearch::testing {
+
+/// What reference_statistics.py wrote down of SciPy, statsmodels and rliable.
+inline nlohmann::json reference(const char* part) {
+  std::ifstream file{MODSEARCH_SOURCE "/tests/study/reference_statistics.json"};
+  return nlohmann::json::parse(file).at(part);
+}
+
+}  // namespace modsearch::testing
