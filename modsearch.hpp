@@ -3,6 +3,9 @@
 // Everything of modsearch that an application may use, floor by floor.
 
 #include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/genetic_algorithm.hpp>
+#include <modsearch/baselines/lexicographic.hpp>
+#include <modsearch/baselines/memetic_polish.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/baselines/random_search.hpp>
 #include <modsearch/baselines/staged.hpp>

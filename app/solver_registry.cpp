@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/baselines/random_search.hpp>
 #include <modsearch/rl/saved_policy.hpp>
@@ -33,20 +34,64 @@ int integer(const OptionValues& values, const std::string& key, int otherwise, i
   return value;
 }
 
+double number(const OptionValues& values, const std::string& key, double otherwise) {
+  const auto found = values.find(key);
+  if (found == values.end()) return otherwise;
+  const std::string& text = found->second;
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    throw std::invalid_argument(fmt::format("option {}={}: not a number", key, text));
+  }
+  return value;
+}
+
 std::string inner_names() {
   std::vector<std::string_view> names;
   for (const Inner inner : inner_solvers()) names.push_back(name(inner));
   return fmt::format("{}", fmt::join(names, "|"));
 }
 
-std::unique_ptr<Solver> make_per_sequence(const OptionValues& values) {
-  PerSequenceOptions options;
-  const std::string inner = value_or(values, "inner", std::string{name(options.inner)});
+Inner inner_solver(const OptionValues& values, Inner otherwise) {
+  const std::string inner = value_or(values, "inner", std::string{name(otherwise)});
   const std::optional<Inner> known = inner_from_name(inner);
   if (!known) throw std::invalid_argument(fmt::format("option inner={}: not one of {}", inner, inner_names()));
-  options.inner = *known;
+  return *known;
+}
+
+std::unique_ptr<Solver> make_per_sequence(const OptionValues& values) {
+  PerSequenceOptions options;
+  options.inner = inner_solver(values, options.inner);
   options.starts = integer(values, "starts", options.starts, 1, 100'000);
   return std::make_unique<PerSequence>(options);
+}
+
+std::unique_ptr<Solver> make_genetic_algorithm(const OptionValues& values) {
+  GeneticOptions options;
+  options.population = integer(values, "population", options.population, 2, 1'000'000);
+  options.tournament = integer(values, "tournament", options.tournament, 1, 1'000'000);
+  options.crossover = number(values, "crossover", options.crossover);
+  options.structure = number(values, "structure", options.structure);
+  options.step = number(values, "step", options.step);
+  options.precision = integer(values, "precision", options.precision, 0, 50);
+  options.polish = integer(values, "polish", options.polish, 0, 1'000'000);
+  options.inner = inner_solver(values, options.inner);
+  return std::make_unique<GeneticAlgorithm>(options);
+}
+
+SolverEntry genetic_algorithm() {
+  const GeneticOptions defaults;
+  return {"ga",
+          "lexicographic genetic algorithm: cheap tests first, species by number of modules, best designs polished",
+          {{"population", std::to_string(defaults.population), "designs per generation"},
+           {"tournament", std::to_string(defaults.tournament), "contestants for each parent"},
+           {"crossover", fmt::format("{}", defaults.crossover), "share of children with two parents"},
+           {"structure", fmt::format("{}", defaults.structure), "share of children with another sequence"},
+           {"step", fmt::format("{}", defaults.step), "largest change of a length, share of its interval"},
+           {"precision", std::to_string(defaults.precision), "smallest change is 2^-precision of that"},
+           {"polish", std::to_string(defaults.polish), "designs polished per generation; 0: pure evolution"},
+           {"inner", std::string{name(defaults.inner)}, inner_names()}},
+          make_genetic_algorithm};
 }
 
 std::vector<SolverEntry> make_entries() {
@@ -65,6 +110,7 @@ std::vector<SolverEntry> make_entries() {
                      {{"inner", std::string{name(defaults.inner)}, inner_names()},
                       {"starts", std::to_string(defaults.starts), "low-discrepancy starts per sequence"}},
                      make_per_sequence});
+  entries.push_back(genetic_algorithm());
   return entries;
 }
 

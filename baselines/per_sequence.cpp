@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <modsearch/baselines/lexicographic.hpp>
 #include <modsearch/baselines/staged.hpp>
 #include <stdexcept>
 
@@ -18,11 +19,6 @@ struct Candidate {
   std::vector<int> types;
   double bound = 0.0;
 };
-
-// The score to beat: nothing can be cut off before an achieved design is known.
-double score_to_beat(const Meter& meter) {
-  return meter.best() && meter.best()->evaluation.attempt.achieved ? meter.best()->evaluation.score : kImpossible;
-}
 
 // Visits all type sequences of `n` modules that fit together, depth first, in order of type; stops when `visit` says so.
 template <typename Visit>

@@ -3,6 +3,15 @@
 
 namespace modsearch {
 
+Placement random_placement(const ModuleLibrary& library, int k, Rng& rng) {
+  const std::vector<ParameterRange>& ranges = library.type(k).parameters;
+  Placement placement{k, Parameters(static_cast<Eigen::Index>(ranges.size()))};
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    placement.parameters[static_cast<Eigen::Index>(i)] = rng.uniform(ranges[i].lower, ranges[i].upper);
+  }
+  return placement;
+}
+
 Design random_design(const DesignProblem& problem, Rng& rng) {
   Design design;
   std::vector<int> types;
@@ -11,12 +20,7 @@ Design random_design(const DesignProblem& problem, Rng& rng) {
     const std::vector<int> allowed = problem.successors(types);
     if (allowed.empty()) break;
     const int k = allowed[static_cast<std::size_t>(rng.index(static_cast<int>(allowed.size())))];
-    const std::vector<ParameterRange>& ranges = problem.library().type(k).parameters;
-    Placement placement{k, Parameters(static_cast<Eigen::Index>(ranges.size()))};
-    for (std::size_t i = 0; i < ranges.size(); ++i) {
-      placement.parameters[static_cast<Eigen::Index>(i)] = rng.uniform(ranges[i].lower, ranges[i].upper);
-    }
-    design.modules.push_back(std::move(placement));
+    design.modules.push_back(random_placement(problem.library(), k, rng));
     types.push_back(k);
   }
   return design;

@@ -4,6 +4,9 @@
 
 namespace modsearch {
 
+/// A module of type `k` with uniform parameters. Throws std::invalid_argument for an unknown type.
+[[nodiscard]] Placement random_placement(const ModuleLibrary& library, int k, Rng& rng);
+
 /// A design with a uniform number of modules in 1 .. max_modules - 1, uniform types among those that may follow, and
 /// uniform parameters. Shorter only where nothing may follow.
 [[nodiscard]] Design random_design(const DesignProblem& problem, Rng& rng);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/problem/files.hpp>
 
@@ -10,11 +11,13 @@
 namespace modsearch {
 namespace {
 
-// A user's problem: no smooth program, no bounds; as high as its modules are long, and NaN for some designs.
+enum class Holes { kNone, kNan, kThrow };
+
+// A user's problem: no smooth program, no bounds; as high as its modules are long, and it fails for some designs.
 class Tower final : public DesignProblem {
  public:
-  explicit Tower(bool with_nan) : library_{load_library("seed")}, with_nan_{with_nan} {}
-  [[nodiscard]] std::string name() const override { return with_nan_ ? "tower with holes" : "tower"; }
+  explicit Tower(Holes holes) : library_{load_library("seed")}, holes_{holes} {}
+  [[nodiscard]] std::string name() const override { return "tower"; }
   [[nodiscard]] const ModuleLibrary& library() const override { return *library_; }
   [[nodiscard]] int max_modules() const override { return 5; }
   [[nodiscard]] Eigen::VectorXd context() const override { return Eigen::VectorXd::Zero(1); }
@@ -24,12 +27,22 @@ class Tower final : public DesignProblem {
     Evaluation evaluation;
     evaluation.score = design.parameters().sum();
     evaluation.attempt.achieved = !design.modules.empty();
-    if (with_nan_ && design.modules.size() % 2 == 0) evaluation.score = std::numeric_limits<double>::quiet_NaN();
+    const bool hole = holes_ != Holes::kNone && design.modules.size() % 2 == 0;
+    if (hole && holes_ == Holes::kThrow) throw std::runtime_error("an even number of modules");
+    if (hole) evaluation.score = std::numeric_limits<double>::quiet_NaN();
     return evaluation;
   }
   std::shared_ptr<const ModuleLibrary> library_;
-  bool with_nan_;
+  Holes holes_;
 };
+
+std::vector<std::unique_ptr<SteppedSolver>> stepped_solvers() {
+  std::vector<std::unique_ptr<SteppedSolver>> solvers;
+  solvers.push_back(std::make_unique<RandomSearch>());
+  solvers.push_back(std::make_unique<GeneticAlgorithm>());
+  solvers.push_back(std::make_unique<GeneticAlgorithm>(GeneticOptions{.population = 10, .polish = 0}));
+  return solvers;
+}
 
 TEST(ProblemContract, HoldsForTheReferenceScenariosAtEveryLevel) {
   for (const std::string& id : builtin_problems()) {
@@ -41,18 +54,18 @@ TEST(ProblemContract, HoldsForTheReferenceScenariosAtEveryLevel) {
   }
 }
 
-TEST(ProblemContract, HoldsForAUsersProblem) { testing::expect_problem_contract(Tower{false}); }
+TEST(ProblemContract, HoldsForAUsersProblem) { testing::expect_problem_contract(Tower{Holes::kNone}); }
 
 TEST(SolverContract, HoldsForEverySolverOnEveryKindOfProblem) {
   std::vector<std::unique_ptr<Solver>> solvers;
-  solvers.push_back(std::make_unique<RandomSearch>());
+  for (auto& solver : stepped_solvers()) solvers.push_back(std::move(solver));
   solvers.push_back(std::make_unique<AutoSolver>());
   for (const Inner inner : {Inner::kOwn, Inner::kIpopt, Inner::kSlsqp, Inner::kCobyla, Inner::kCeres}) {
     solvers.push_back(std::make_unique<PerSequence>(PerSequenceOptions{.inner = inner, .starts = 2}));
   }
   const auto fixed = load_problem("seed/fixed");
   const auto obstacles = load_problem("seed/random_obstacles", {5, 2});
-  const Tower tower{false};
+  const Tower tower{Holes::kNone};
   for (const auto& solver : solvers) {
     for (const DesignProblem* problem :
          {static_cast<const DesignProblem*>(fixed.get()), static_cast<const DesignProblem*>(obstacles.get()),
@@ -63,18 +76,58 @@ TEST(SolverContract, HoldsForEverySolverOnEveryKindOfProblem) {
 }
 
 TEST(SolverContract, SearchesResumeWhereTheyWereCutOff) {
-  const test::TemporaryFolder folder;
-  const Tower tower{true};
-  testing::expect_resumable_contract(RandomSearch{}, tower, folder.path());
+  const Tower tower{Holes::kNan};
+  const auto obstacles = load_problem("seed/random_obstacles", {5, 2});
+  for (const auto& solver : stepped_solvers()) {
+    for (const DesignProblem* problem :
+         {static_cast<const DesignProblem*>(&tower), static_cast<const DesignProblem*>(obstacles.get())}) {
+      const test::TemporaryFolder folder;
+      testing::expect_resumable_contract(*solver, *problem, folder.path(), 400);
+    }
+  }
 }
 
-TEST(SolverContract, SurvivesScoresThatAreNotNumbers) {
-  const Tower holes{true};
-  Meter meter{{.evaluations = 200}};
-  const Solution solution = RandomSearch{}.solve(holes, meter, Rng{1});
-  EXPECT_GT(solution.spent.failed, 50);
-  EXPECT_TRUE(std::isfinite(solution.evaluation.score));
-  EXPECT_TRUE(solution.evaluation.attempt.achieved);
+TEST(SolverContract, SurvivesProblemsThatFail) {
+  for (const auto& solver : stepped_solvers()) {
+    for (const Holes holes : {Holes::kNan, Holes::kThrow}) {
+      SCOPED_TRACE(solver->name());
+      Meter meter{{.evaluations = 200}};
+      const Solution solution = solver->solve(Tower{holes}, meter, Rng{1});
+      EXPECT_GT(solution.spent.failed, 0);
+      EXPECT_EQ(meter.first_failure(),
+                holes == Holes::kThrow ? "an even number of modules" : "the score is not a number");
+      EXPECT_TRUE(std::isfinite(solution.evaluation.score));
+      EXPECT_TRUE(solution.evaluation.attempt.achieved);
+      EXPECT_EQ(solution.design.modules.size() % 2, 1u);
+    }
+  }
+}
+
+TEST(SolverContract, StopsAtTheTargetScore) {
+  for (const auto& solver : stepped_solvers()) {
+    SCOPED_TRACE(solver->name());
+    Meter meter{{.evaluations = 2000, .target_score = 2.5}};  // one module in two is 3 m high at most
+    const Solution solution = solver->solve(Tower{Holes::kNone}, meter, Rng{1});
+    EXPECT_EQ(solution.stop, StopReason::kTargetScore);
+    EXPECT_GE(solution.evaluation.score, 2.5);
+    EXPECT_EQ(solution.spent.evaluations, meter.trace().back().evaluations) << "and at once";
+  }
+}
+
+TEST(SolverContract, ProvesAtOnceThatNothingReachesTooFar) {
+  RobotProblemSpec spec = load_problem("seed/fixed")->spec();
+  spec.task = std::make_shared<GoalTask>(
+      "far", std::vector<Goal>{{"1", GoalType::kReach, PoseRegion::ball({0.0, 20.0, 20.0}, 1e-3)}});
+  const RobotProblem problem{spec};
+  for (const auto& solver : stepped_solvers()) {
+    if (solver->name() == "random") continue;  // looks at no bounds
+    SCOPED_TRACE(solver->name());
+    Meter meter;
+    const Solution solution = solver->solve(problem, meter, Rng{0});
+    EXPECT_EQ(solution.stop, StopReason::kUnreachable);
+    EXPECT_NE(solution.reason.find("28.28 m away"), std::string::npos) << solution.reason;
+    EXPECT_LE(solution.spent.evaluations, 1);
+  }
 }
 
 // What every Task promises, for the one that files describe: goals, features of fixed length, an attempt that is a

@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <cmath>
+#include <modsearch/baselines/lexicographic.hpp>
+#include <modsearch/baselines/staged.hpp>
+
+namespace modsearch {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Rank::Level level(const Attempt& attempt) {
+  using Level = Rank::Level;
+  if (attempt.achieved) return Level::kAchieved;
+  switch (attempt.why) {
+    case Failure::kNotANumber:
+    case Failure::kThrew:
+      return Level::kFailed;
+    case Failure::kIncomplete:
+      return Level::kIncomplete;
+    case Failure::kNone:
+    case Failure::kUnreachable:
+      return Level::kMisses;
+    case Failure::kObstacle:
+    case Failure::kSelfCollision:
+      return Level::kCollides;
+    case Failure::kHomeInCollision:
+    case Failure::kNoPath:
+      return Level::kNoPath;
+  }
+  return Level::kMisses;
+}
+
+}  // namespace
+
+Rank rank(const Evaluation& evaluation) {
+  const Attempt& attempt = evaluation.attempt;
+  Rank result{level(attempt), 0.0, evaluation.score};
+  if (result.level == Rank::Level::kMisses) result.within = -attempt.relative_error;
+  if (result.level == Rank::Level::kCollides) result.within = std::min(attempt.clearance, 0.0);
+  // A user's task may leave anything in there, and NaN has no order.
+  if (std::isnan(result.within)) result.within = -kInfinity;
+  return result;
+}
+
+std::optional<Rank> evaluate_rank(Meter& meter, const DesignProblem& problem, const Design& design) {
+  if (meter.stopped()) return std::nullopt;
+  if (problem.optimism(design.types()).score <= score_to_beat(meter)) return Rank{};
+  const std::optional<Evaluation> evaluation = evaluate_staged(meter, problem, design);
+  if (!evaluation) return std::nullopt;
+  return rank(*evaluation);
+}
+
+double score_to_beat(const Meter& meter) {
+  return meter.best() && meter.best()->evaluation.attempt.achieved ? meter.best()->evaluation.score : -kInfinity;
+}
+
+std::optional<SearchEnd> pointless(const Meter& meter, const DesignProblem& problem) {
+  if (problem.successors({}).empty()) return SearchEnd{StopReason::kExhausted, "no module may be attached", {}};
+  Optimism best{-kInfinity, ""};
+  for (int n = 1; n < problem.max_modules(); ++n) {
+    Optimism optimism = problem.optimism_of_length(n);
+    if (optimism.score >= best.score) best = std::move(optimism);
+  }
+  const double to_beat = score_to_beat(meter);
+  if (best.score > to_beat) return std::nullopt;
+  if (to_beat == -kInfinity) {
+    return SearchEnd{StopReason::kUnreachable, std::move(best.reason), Bound{-kInfinity, "reach"}};
+  }
+  return SearchEnd{StopReason::kOptimal, "no design can score more by its number of modules and its mass",
+                   Bound{to_beat, "number of modules and least mass by reach"}};
+}
+
+}  // namespace modsearch
