@@ -1,5 +1,6 @@
 # Writes OUTPUT, a C++ file that holds the files of data/ as text. Run as:
-#   cmake -DOUTPUT=... "-DLIBRARIES=id=file|id=file" "-DPROBLEMS=id=file|id=file" -P embed.cmake
+#   cmake -DOUTPUT=... "-DLIBRARIES=id=file|id=file" "-DPROBLEMS=id=file|id=file" -DHEADER=... -DNAMESPACE=... -P embed.cmake
+# HEADER declares BuiltinFile and the two tables in NAMESPACE.
 function(table name entries)
   string(REPLACE "|" ";" entries "${entries}")
   string(APPEND text "constexpr BuiltinFile k${name}Files[] = {\n")
@@ -17,12 +18,12 @@ function(table name entries)
   set(source "${source}${text}" PARENT_SCOPE)
 endfunction()
 
-set(source "// Written by data/embed.cmake.\n#include <modsearch/problem/builtin_internal.hpp>\n\n")
-string(APPEND source "namespace modsearch::detail {\nnamespace {\n")
+set(source "// Written by data/embed.cmake.\n#include <${HEADER}>\n\n")
+string(APPEND source "namespace ${NAMESPACE} {\nnamespace {\n")
 table(Library "${LIBRARIES}")
 table(Problem "${PROBLEMS}")
 string(APPEND source "}  // namespace\n\n")
 string(APPEND source "const std::span<const BuiltinFile> kBuiltinLibraries{kLibraryFiles};\n")
 string(APPEND source "const std::span<const BuiltinFile> kBuiltinProblems{kProblemFiles};\n")
-string(APPEND source "\n}  // namespace modsearch::detail\n")
+string(APPEND source "\n}  // namespace ${NAMESPACE}\n")
 file(WRITE "${OUTPUT}" "${source}")
