@@ -99,7 +99,8 @@ class NaiveSearch {
           for (const double sign : {1.0, -1.0}) {
             const double before = *multiplier;
             *multiplier += sign * step;
-            const bool negative = std::any_of(leaf.rows.begin(), leaf.rows.end(), [](const Row& r) { return r.mu < 0.0; });
+            const bool negative =
+                std::any_of(leaf.rows.begin(), leaf.rows.end(), [](const Row& r) { return r.mu < 0.0; });
             const double moved = negative ? -INFINITY : bound();
             if (moved > best) {
               best = moved;
@@ -160,8 +161,8 @@ inline Json statement_of(const Problem& problem) {
                  {"obstacles", problem.task.obstacles.size()},
                  {"goals", Json::array()}};
   for (const Goal& goal : problem.task.goals) {
-    statement["goals"].push_back(
-        {{"position", {hex(goal.position[0]), hex(goal.position[1]), hex(goal.position[2])}}, {"radius", hex(goal.radius)}});
+    statement["goals"].push_back({{"position", {hex(goal.position[0]), hex(goal.position[1]), hex(goal.position[2])}},
+                                  {"radius", hex(goal.radius)}});
   }
   for (const Module& module : problem.library.types) {
     statement["library"][module.id] = Json::object();
@@ -180,7 +181,7 @@ inline Json naive_certificate(const std::string& name, const Problem& problem, d
                    {"sequences", Json::array()}};
   NaiveSearch search{problem, upper};
   const std::function<void(std::vector<std::size_t>, std::size_t)> extend = [&](std::vector<std::size_t> types,
-                                                                               std::size_t n) {
+                                                                                std::size_t n) {
     if (types.size() == n) {
       Json entry{{"types", Json::array()}, {"tree", search.tree(types)}};
       for (const std::size_t k : types) entry["types"].push_back(problem.library.types[k].id);
