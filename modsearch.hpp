@@ -3,6 +3,8 @@
 // Everything of modsearch that an application may use, floor by floor.
 
 #include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/cat_cma.hpp>
+#include <modsearch/baselines/cma_es.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/lexicographic.hpp>
 #include <modsearch/baselines/memetic_polish.hpp>

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/cma_es.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/baselines/random_search.hpp>
@@ -94,6 +95,32 @@ SolverEntry genetic_algorithm() {
           make_genetic_algorithm};
 }
 
+std::unique_ptr<Solver> make_cma_es(const OptionValues& values) {
+  CmaEsOptions options;
+  const std::string space = value_or(values, "space", std::string{name(options.space)});
+  const auto known = space_from_name(space);
+  if (!known) throw std::invalid_argument(fmt::format("option space={}: not one of lengths|padded", space));
+  options.space = *known;
+  options.population = integer(values, "population", options.population, 0, 10'000);
+  options.growth = number(values, "growth", options.growth);
+  options.sigma = number(values, "sigma", options.sigma);
+  options.least_sigma = number(values, "least_sigma", options.least_sigma);
+  return std::make_unique<CmaEs>(options);
+}
+
+SolverEntry cma_es() {
+  const CmaEsOptions defaults;
+  return {
+      "cmaes",
+      "CMA-ES with margin over types and lengths (CatCMA), restarted with larger populations",
+      {{"space", std::string{name(defaults.space)}, "lengths: a search per number of modules; padded: one for all"},
+       {"population", std::to_string(defaults.population), "points per generation at first; 0: 4 + 3 ln(variables)"},
+       {"growth", fmt::format("{}", defaults.growth), "population of a round over that of the round before"},
+       {"sigma", fmt::format("{}", defaults.sigma), "first standard deviation, share of a length's interval"},
+       {"least_sigma", fmt::format("{}", defaults.least_sigma), "ends a search, share of a length's interval"}},
+      make_cma_es};
+}
+
 std::vector<SolverEntry> make_entries() {
   const PerSequenceOptions defaults;
   std::vector<SolverEntry> entries;
@@ -111,6 +138,7 @@ std::vector<SolverEntry> make_entries() {
                       {"starts", std::to_string(defaults.starts), "low-discrepancy starts per sequence"}},
                      make_per_sequence});
   entries.push_back(genetic_algorithm());
+  entries.push_back(cma_es());
   return entries;
 }
 
