@@ -82,12 +82,16 @@
 #include <modsearch/solvers/verification.hpp>
 #include <modsearch/study/bootstrap.hpp>
 #include <modsearch/study/break_even.hpp>
+#include <modsearch/study/compute_cell.hpp>
 #include <modsearch/study/distribution.hpp>
 #include <modsearch/study/environment_page.hpp>
 #include <modsearch/study/journal.hpp>
 #include <modsearch/study/page.hpp>
 #include <modsearch/study/profiles.hpp>
 #include <modsearch/study/records.hpp>
+#include <modsearch/study/run_study.hpp>
 #include <modsearch/study/runtimes.hpp>
 #include <modsearch/study/signed_rank.hpp>
 #include <modsearch/study/solution_page.hpp>
+#include <modsearch/study/study.hpp>
+#include <modsearch/study/text_hash.hpp>

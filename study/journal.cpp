@@ -6,16 +6,10 @@
 #include <cstring>
 #include <modsearch/study/journal.hpp>
 #include <modsearch/study/journal_json_internal.hpp>
-#include <stdexcept>
 #include <utility>
 
 namespace modsearch {
 namespace {
-
-std::string line(const nlohmann::ordered_json& json) {
-  // What solvers say in words need not be UTF-8.
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
-}
 
 // Bytes up to and including the last line's end.
 std::uintmax_t whole_lines(const std::filesystem::path& file) {
@@ -26,7 +20,7 @@ std::uintmax_t whole_lines(const std::filesystem::path& file) {
 
 Journal Journal::begin(const std::filesystem::path& file, const StudyFacts& study) {
   Journal journal{file, O_CREAT | O_EXCL};
-  journal.append(line(detail::header_line(study)));
+  journal.append(detail::to_line(detail::header_line(study)));
   journal.force();
   return journal;
 }
@@ -41,6 +35,15 @@ Journal Journal::resume(const std::filesystem::path& file) {
 Journal::Journal(const std::filesystem::path& file, int flags) : path_{file}, forced_{std::chrono::steady_clock::now()} {
   descriptor_ = ::open(file.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | flags, 0666);
   if (descriptor_ < 0) fail();
+  // Of the process, so that cells computed by its children do not hold it; gone with it, however it ends.
+  struct flock whole {};
+  whole.l_type = F_WRLCK;
+  whole.l_whence = SEEK_SET;
+  if (::fcntl(descriptor_, F_SETLK, &whole) == 0) return;
+  const bool held = errno == EACCES || errno == EAGAIN;
+  ::close(std::exchange(descriptor_, -1));
+  if (held) throw FileError(fmt::format("{}: another program is writing this journal", path_.string()));
+  fail();
 }
 
 Journal::Journal(Journal&& other) noexcept
@@ -52,23 +55,9 @@ Journal::~Journal() {
   ::close(descriptor_);
 }
 
-void Journal::start(const CellRecord& cell) { append(line(detail::start_line(cell))); }
+void Journal::start(const CellRecord& cell) { append(detail::to_line(detail::start_line(cell))); }
 
-void Journal::finish(const CellRecord& cell) {
-  std::string lines;
-  switch (cell.state) {
-    case CellState::kStarted:
-      throw std::invalid_argument("Journal: cell " + cell.id + " has not ended");
-    case CellState::kDone:
-      for (const Improvement& improvement : cell.trace) lines += line(detail::improve_line(cell.id, improvement));
-      lines += line(detail::done_line(cell.id, cell.outcome.value()));
-      break;
-    case CellState::kFailed:
-      lines = line(detail::failed_line(cell));
-      break;
-  }
-  append(lines);
-}
+void Journal::finish(const CellRecord& cell) { append(detail::ending_lines(cell)); }
 
 void Journal::append(const std::string& lines) {
   std::string_view rest = lines;

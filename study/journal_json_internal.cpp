@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <modsearch/study/journal_json_internal.hpp>
+#include <stdexcept>
 
 namespace modsearch::detail {
 namespace {
@@ -81,6 +82,7 @@ ordered_json outcome_json(const CellOutcome& outcome) {
     json["updates"] = facts.updates;
     json["meanReturn"] = finite_or_null(facts.mean_return);
     json["policy"] = facts.policy;
+    json["weights"] = facts.weights;
   } else {
     json["design"] = design_json(outcome.design);
     json["score"] = finite_or_null(outcome.score);
@@ -127,10 +129,78 @@ TrainingFacts read_training(const JsonCursor& line) {
           .steps = count(line, "steps"),
           .updates = count(line, "updates"),
           .mean_return = number_or(line.at("meanReturn"), -kInfinity),
-          .policy = line.at("policy").text()};
+          .policy = line.at("policy").text(),
+          .weights = line.at("weights").text()};
 }
 
 constexpr std::array kKinds{CellKind::kTraining, CellKind::kBound, CellKind::kRun};
+
+ordered_json improve_line(const std::string& cell, const Improvement& improvement) {
+  return event_line(cell, "improve", improvement_json(improvement));
+}
+
+Improvement read_improvement(const JsonCursor& line) {
+  line.expect_keys({"cell", "event", "evaluations", "seconds", "score", "achieved", "modules", "mass_kg"});
+  return {.evaluations = count(line, "evaluations"),
+          .seconds = line.at("seconds").number(),
+          .score = number_or(line.at("score"), -kInfinity),
+          .achieved = line.at("achieved").boolean(),
+          .modules = static_cast<int>(line.at("modules").integer(1, 64)),
+          .mass = line.at("mass_kg").number()};
+}
+
+ordered_json done_line(const std::string& cell, const CellOutcome& outcome) {
+  return event_line(cell, "done", outcome_json(outcome));
+}
+
+CellOutcome read_outcome(const JsonCursor& line) {
+  line.expect_keys({"cell", "event", "design", "score", "achieved", "reached", "goalError_m", "modules", "mass_kg",
+                    "terms", "bound", "evaluations", "failedEvaluations", "programEvaluations", "work", "stop",
+                    "reason", "seconds", "cpuSeconds", "episodes", "steps", "updates", "meanReturn", "policy", "weights"});
+  CellOutcome outcome;
+  if (line.has("policy")) {
+    outcome.training = read_training(line);
+  } else {
+    outcome.design = read_design(line.at("design"));
+    outcome.score = number_or(line.at("score"), -kInfinity);
+    outcome.achieved = line.at("achieved").boolean();
+    outcome.reached = line.at("reached").boolean();
+    outcome.goal_error = number_or(line.at("goalError_m"), kInfinity);
+    outcome.modules = static_cast<int>(line.at("modules").integer(1, 64));
+    outcome.mass = line.at("mass_kg").number();
+    for (const JsonCursor& term : line.at("terms").items()) {
+      term.expect_keys({"name", "value"});
+      outcome.terms.push_back({term.at("name").text(), term.at("value").number()});
+    }
+  }
+  if (const auto bound = line.find("bound")) {
+    bound->expect_keys({"score", "reason"});
+    outcome.bound = Bound{number_or(bound->at("score"), kInfinity), bound->at("reason").text()};
+  }
+  outcome.spent.evaluations = count(line, "evaluations");
+  outcome.spent.failed = count(line, "failedEvaluations");
+  outcome.spent.program_evaluations = count(line, "programEvaluations");
+  const JsonCursor work = line.at("work");
+  work.expect_keys({"forward", "ikIterations", "distances", "plannerStates"});
+  for_each_counter(outcome.spent.work, [&](const char* key, std::int64_t& counter) { counter = count(work, key); });
+  outcome.stop = line.at("stop").text();
+  outcome.reason = line.at("reason").text();
+  outcome.spent.seconds = line.at("seconds").number();
+  outcome.cpu_seconds = line.at("cpuSeconds").number();
+  return outcome;
+}
+
+ordered_json failed_line(const CellRecord& cell) {
+  ordered_json json{{"what", cell.failure}};
+  if (cell.signal) json["signal"] = *cell.signal;
+  return event_line(cell.id, "failed", json);
+}
+
+void read_failure(const JsonCursor& line, CellRecord& cell) {
+  line.expect_keys({"cell", "event", "what", "signal"});
+  cell.failure = line.at("what").text();
+  if (const auto signal = line.find("signal")) cell.signal = static_cast<int>(signal->integer(1, 128));
+}
 
 }  // namespace
 
@@ -223,71 +293,38 @@ CellRecord read_start(const JsonCursor& line) {
   return cell;
 }
 
-ordered_json improve_line(const std::string& cell, const Improvement& improvement) {
-  return event_line(cell, "improve", improvement_json(improvement));
-}
-
-Improvement read_improvement(const JsonCursor& line) {
-  line.expect_keys({"cell", "event", "evaluations", "seconds", "score", "achieved", "modules", "mass_kg"});
-  return {.evaluations = count(line, "evaluations"),
-          .seconds = line.at("seconds").number(),
-          .score = number_or(line.at("score"), -kInfinity),
-          .achieved = line.at("achieved").boolean(),
-          .modules = static_cast<int>(line.at("modules").integer(1, 64)),
-          .mass = line.at("mass_kg").number()};
-}
-
-ordered_json done_line(const std::string& cell, const CellOutcome& outcome) {
-  return event_line(cell, "done", outcome_json(outcome));
-}
-
-CellOutcome read_outcome(const JsonCursor& line) {
-  line.expect_keys({"cell", "event", "design", "score", "achieved", "reached", "goalError_m", "modules", "mass_kg",
-                    "terms", "bound", "evaluations", "failedEvaluations", "programEvaluations", "work", "stop",
-                    "reason", "seconds", "cpuSeconds", "episodes", "steps", "updates", "meanReturn", "policy"});
-  CellOutcome outcome;
-  if (line.has("policy")) {
-    outcome.training = read_training(line);
-  } else {
-    outcome.design = read_design(line.at("design"));
-    outcome.score = number_or(line.at("score"), -kInfinity);
-    outcome.achieved = line.at("achieved").boolean();
-    outcome.reached = line.at("reached").boolean();
-    outcome.goal_error = number_or(line.at("goalError_m"), kInfinity);
-    outcome.modules = static_cast<int>(line.at("modules").integer(1, 64));
-    outcome.mass = line.at("mass_kg").number();
-    for (const JsonCursor& term : line.at("terms").items()) {
-      term.expect_keys({"name", "value"});
-      outcome.terms.push_back({term.at("name").text(), term.at("value").number()});
-    }
+std::string ending_lines(const CellRecord& cell) {
+  switch (cell.state) {
+    case CellState::kStarted:
+      throw std::invalid_argument("journal: cell " + cell.id + " has not ended");
+    case CellState::kFailed:
+      return to_line(failed_line(cell));
+    case CellState::kDone:
+      break;
   }
-  if (const auto bound = line.find("bound")) {
-    bound->expect_keys({"score", "reason"});
-    outcome.bound = Bound{number_or(bound->at("score"), kInfinity), bound->at("reason").text()};
+  std::string lines;
+  for (const Improvement& improvement : cell.trace) lines += to_line(improve_line(cell.id, improvement));
+  return lines + to_line(done_line(cell.id, cell.outcome.value()));
+}
+
+void read_ending(const JsonCursor& line, CellRecord& cell) {
+  switch (line.at("event").choice({"improve", "done", "failed"})) {
+    case 0:
+      cell.trace.push_back(read_improvement(line));
+      break;
+    case 1:
+      cell.outcome = read_outcome(line);
+      cell.state = CellState::kDone;
+      break;
+    default:
+      read_failure(line, cell);
+      cell.state = CellState::kFailed;
   }
-  outcome.spent.evaluations = count(line, "evaluations");
-  outcome.spent.failed = count(line, "failedEvaluations");
-  outcome.spent.program_evaluations = count(line, "programEvaluations");
-  const JsonCursor work = line.at("work");
-  work.expect_keys({"forward", "ikIterations", "distances", "plannerStates"});
-  for_each_counter(outcome.spent.work, [&](const char* key, std::int64_t& counter) { counter = count(work, key); });
-  outcome.stop = line.at("stop").text();
-  outcome.reason = line.at("reason").text();
-  outcome.spent.seconds = line.at("seconds").number();
-  outcome.cpu_seconds = line.at("cpuSeconds").number();
-  return outcome;
 }
 
-ordered_json failed_line(const CellRecord& cell) {
-  ordered_json json{{"what", cell.failure}};
-  if (cell.signal) json["signal"] = *cell.signal;
-  return event_line(cell.id, "failed", json);
-}
-
-void read_failure(const JsonCursor& line, CellRecord& cell) {
-  line.expect_keys({"cell", "event", "what", "signal"});
-  cell.failure = line.at("what").text();
-  if (const auto signal = line.find("signal")) cell.signal = static_cast<int>(signal->integer(1, 128));
+std::string to_line(const ordered_json& json) {
+  // What solvers say in words need not be UTF-8.
+  return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + '\n';
 }
 
 ordered_json results(const CellRecord& cell) {

@@ -9,6 +9,9 @@
 
 namespace modsearch::detail {
 
+/// `json` as one line with its end.
+[[nodiscard]] std::string to_line(const nlohmann::ordered_json& json);
+
 /// Most bytes of a journal: a million runs with their traces.
 inline constexpr std::uintmax_t kLargestJournal = std::uintmax_t{1} << 32U;
 
@@ -21,16 +24,11 @@ inline constexpr std::uintmax_t kLargestJournal = std::uintmax_t{1} << 32U;
 /// The cell that such a line starts.
 [[nodiscard]] CellRecord read_start(const JsonCursor& line);
 
-[[nodiscard]] nlohmann::ordered_json improve_line(const std::string& cell, const Improvement& improvement);
-[[nodiscard]] Improvement read_improvement(const JsonCursor& line);
-
-/// {"cell", "event": "done", ..}
-[[nodiscard]] nlohmann::ordered_json done_line(const std::string& cell, const CellOutcome& outcome);
-[[nodiscard]] CellOutcome read_outcome(const JsonCursor& line);
-
-/// {"cell", "event": "failed", ..}
-[[nodiscard]] nlohmann::ordered_json failed_line(const CellRecord& cell);
-void read_failure(const JsonCursor& line, CellRecord& cell);
+/// How a cell ends: a line {"cell", "event": "improve", ..} for each improvement and one "done", or one "failed".
+/// Throws std::invalid_argument for a cell that is only started.
+[[nodiscard]] std::string ending_lines(const CellRecord& cell);
+/// Adds what such a line says to `cell`.
+void read_ending(const JsonCursor& line, CellRecord& cell);
 
 /// Everything that must come out alike when a finished cell is computed again: outcome and trace without the clock.
 [[nodiscard]] nlohmann::ordered_json results(const CellRecord& cell);

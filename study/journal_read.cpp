@@ -19,18 +19,9 @@ class Reading {
     if (event == "start") return start(line);
     const auto found = places_.find(id);
     if (found == places_.end()) line.at("cell").fail_value("a cell that was started");
-    CellRecord& cell = record_.cells[found->second];
-    if (event == "improve") {
-      traces_[id].push_back(detail::read_improvement(line));
-    } else if (event == "done") {
-      finish(line, cell);
-    } else if (event == "failed") {
-      if (cell.state == CellState::kDone) return;
-      cell.state = CellState::kFailed;
-      detail::read_failure(line, cell);
-    } else {
-      line.at("event").fail_value("one of \"start\", \"improve\", \"done\", \"failed\"");
-    }
+    CellRecord& running = running_[id];
+    detail::read_ending(line, running);
+    if (running.state != CellState::kStarted) end(line, record_.cells[found->second], running);
   }
 
   [[nodiscard]] StudyRecord result() && {
@@ -43,7 +34,7 @@ class Reading {
   // A cell is started again where the program was killed before it ended, or where it failed.
   void start(const detail::JsonCursor& line) {
     CellRecord cell = detail::read_start(line);
-    traces_[cell.id].clear();
+    running_[cell.id] = cell;
     const auto [place, is_new] = places_.emplace(cell.id, record_.cells.size());
     if (is_new) {
       record_.cells.push_back(std::move(cell));
@@ -52,19 +43,16 @@ class Reading {
     }
   }
 
-  void finish(const detail::JsonCursor& line, CellRecord& cell) {
-    CellRecord again = cell;
-    again.state = CellState::kDone;
-    again.outcome = detail::read_outcome(line);
-    again.trace = std::exchange(traces_[cell.id], {});
-    const std::optional<std::string> differs = cell.key.timed() ? std::nullopt : difference(cell, again);
-    if (differs) line.fail(fmt::format("cell {} was done twice with different results: {}", cell.id, *differs));
-    if (cell.state != CellState::kDone) cell = std::move(again);
+  // The first result stands; another must agree with it.
+  static void end(const detail::JsonCursor& line, CellRecord& known, const CellRecord& ended) {
+    const std::optional<std::string> differs = known.key.timed() ? std::nullopt : difference(known, ended);
+    if (differs) line.fail(fmt::format("cell {} was done twice with different results: {}", known.id, *differs));
+    if (known.state != CellState::kDone) known = ended;
   }
 
   StudyRecord record_;
-  std::map<std::string, std::size_t> places_;              // of cells by their IDs
-  std::map<std::string, std::vector<Improvement>> traces_;  // of computations that have not ended
+  std::map<std::string, std::size_t> places_;   // of cells by their IDs
+  std::map<std::string, CellRecord> running_;  // what the latest computation of each has told so far
 };
 
 }  // namespace

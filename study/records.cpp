@@ -82,6 +82,11 @@ std::optional<std::string> difference(const CellRecord& first, const CellRecord&
   return std::nullopt;
 }
 
+std::int64_t StudyRecord::n_ended() const {
+  return std::count_if(cells.begin(), cells.end(),
+                       [](const CellRecord& cell) { return cell.state != CellState::kStarted; });
+}
+
 const CellRecord* StudyRecord::find(std::string_view id) const {
   const auto found = std::find_if(cells.begin(), cells.end(), [&](const CellRecord& cell) { return cell.id == id; });
   return found == cells.end() ? nullptr : &*found;

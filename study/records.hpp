@@ -91,6 +91,7 @@ struct TrainingFacts {
   std::int64_t updates = 0;  ///< of the networks
   double mean_return = 0.0;  ///< of the last evaluation on the way
   std::string policy;        ///< the file, relative to the study's folder
+  std::string weights;       ///< hash of the policy's weights: what has to come out alike
 };
 
 /// What a finished cell found and what it spent.
@@ -159,6 +160,8 @@ struct StudyRecord {
   StudyFacts study;
   std::vector<CellRecord> cells;  ///< those that were started, in the study's order
 
+  /// Cells that are done or failed.
+  [[nodiscard]] std::int64_t n_ended() const;
   /// The cell with this ID; null if there is none.
   [[nodiscard]] const CellRecord* find(std::string_view id) const;
 };

@@ -1,0 +1,162 @@
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <modsearch/rl/saved_policy.hpp>
+#include <modsearch/study/compute_cell.hpp>
+#include <modsearch/study/text_hash.hpp>
+#include <stdexcept>
+
+namespace modsearch {
+namespace {
+
+// Of this process so far, user and system.
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double mass_of(const DesignProblem& problem, const Design& design) {
+  return problem.library().assemble(design.types()).mass(design.parameters());
+}
+
+// Keeps the design behind each point of a meter's trace; what it weighs is looked up after the search.
+class TraceDesigns {
+ public:
+  void look(const Meter& meter) {
+    if (meter.trace().size() > designs_.size()) designs_.push_back(meter.best()->design);
+  }
+  [[nodiscard]] std::vector<Improvement> improvements(const DesignProblem& problem, const Meter& meter) const {
+    std::vector<Improvement> result;
+    for (std::size_t i = 0; i < designs_.size(); ++i) {
+      const TracePoint& point = meter.trace()[i];
+      result.push_back({.evaluations = point.evaluations,
+                        .seconds = point.seconds,
+                        .score = point.score,
+                        .achieved = point.achieved,
+                        .modules = static_cast<int>(designs_[i].modules.size()) + 1,
+                        .mass = mass_of(problem, designs_[i])});
+    }
+    return result;
+  }
+
+ private:
+  std::vector<Design> designs_;
+};
+
+CellOutcome outcome_of(const DesignProblem& problem, const Solution& solution, bool evaluated) {
+  CellOutcome outcome;
+  outcome.design = record_of(problem.library(), solution.design);
+  outcome.score = solution.evaluation.score;
+  outcome.achieved = solution.evaluation.attempt.achieved;
+  outcome.reached = solution.evaluation.attempt.reached;
+  outcome.goal_error =
+      evaluated ? solution.evaluation.attempt.goal_error : std::numeric_limits<double>::infinity();
+  outcome.modules = static_cast<int>(solution.design.modules.size()) + 1;
+  outcome.mass = mass_of(problem, solution.design);
+  for (const Term& term : solution.evaluation.terms.items()) {
+    outcome.terms.push_back({std::string{name(term.id)}, term.value});
+  }
+  outcome.spent = solution.spent;
+  outcome.stop = name(solution.stop);
+  outcome.reason = solution.reason;
+  outcome.bound = solution.bound;
+  return outcome;
+}
+
+void solve(const StudyProblem& family, const Solver& solver, CellRecord& record) {
+  const std::shared_ptr<const DesignProblem> problem = family.make(record.key.instance.value_or(Instance{}));
+  TraceDesigns designs;
+  const double before = cpu_seconds();
+  Meter meter{record.key.budget, [&](const Meter& m) { designs.look(m); }};
+  const Solution solution = solver.solve(*problem, meter, Rng{record.key.seed});
+  const double spent = cpu_seconds() - before;
+  record.outcome = outcome_of(*problem, solution, meter.best().has_value());
+  record.outcome->cpu_seconds = spent;
+  record.trace = designs.improvements(*problem, meter);
+}
+
+std::string weights_hash(const Policy& policy) {
+  std::string bytes;
+  for (const auto& [name, values] : policy.tensors()) {
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+  }
+  return text_hash(bytes);
+}
+
+bool has_finite_weights(const Policy& policy) {
+  return std::all_of(policy.tensors().begin(), policy.tensors().end(), [](const auto& tensor) {
+    return std::all_of(tensor.second.begin(), tensor.second.end(), [](float w) { return std::isfinite(w); });
+  });
+}
+
+void train(const StudySolver& solver, CellRecord& record, const std::filesystem::path& folder) {
+  const StudyTraining& plan = *solver.training;
+  LearnerSettings settings = plan.settings;
+  settings.training.final_episodes = 0;
+  const double before = cpu_seconds();
+  Meter meter{record.key.budget};
+  const Training training = AgentLearner{settings}.train(plan.source, meter, Rng{record.key.seed});
+  const auto& policy = dynamic_cast<const Policy&>(*training.policy);
+  if (training.end == TrainingEnd::kDiverged || !has_finite_weights(policy)) {
+    throw std::runtime_error(fmt::format("the training of '{}' diverged: smaller learning rates may help", solver.label));
+  }
+  const double mean_return =
+      training.history.empty() ? -std::numeric_limits<double>::infinity() : training.history.back().evaluation.mean_return;
+  CellOutcome& outcome = record.outcome.emplace();
+  outcome.training = TrainingFacts{.episodes = training.episodes,
+                                   .steps = training.steps,
+                                   .updates = training.updates,
+                                   .mean_return = mean_return,
+                                   .policy = policy_path(record.id).string(),
+                                   .weights = weights_hash(policy)};
+  outcome.spent = training.spent;
+  outcome.cpu_seconds = cpu_seconds() - before;
+  outcome.stop = name(training.end);
+  const std::filesystem::path file = folder / policy_path(record.id);
+  std::filesystem::create_directories(file.parent_path());
+  write_policy(file, describe(policy, *plan.library, plan.problem,
+                              {.version = MODSEARCH_VERSION,
+                               .preset = plan.preset,
+                               .seed = record.key.seed,
+                               .episodes = training.episodes,
+                               .steps = training.steps,
+                               .updates = training.updates,
+                               .seconds = training.seconds}));
+}
+
+}  // namespace
+
+std::filesystem::path policy_path(const std::string& training) {
+  return std::filesystem::path{"policies"} / (training + ".json");
+}
+
+CellRecord compute(const Study& study, const PlannedCell& cell, const std::filesystem::path& folder) {
+  CellRecord record = cell.record;
+  const CellKey& key = record.key;
+  switch (key.kind) {
+    case CellKind::kTraining:
+      train(study.solvers[cell.solver], record, folder);
+      break;
+    case CellKind::kBound:
+      solve(study.problems[cell.problem], *study.certification->solver, record);
+      break;
+    case CellKind::kRun:
+      if (key.training.empty()) {
+        solve(study.problems[cell.problem], *study.solvers[cell.solver].solver, record);
+      } else {
+        solve(study.problems[cell.problem], *load_trained_policy(folder / policy_path(key.training)), record);
+      }
+      break;
+  }
+  record.state = CellState::kDone;
+  return record;
+}
+
+}  // namespace modsearch
