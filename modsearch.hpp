@@ -94,4 +94,6 @@
 #include <modsearch/study/signed_rank.hpp>
 #include <modsearch/study/solution_page.hpp>
 #include <modsearch/study/study.hpp>
+#include <modsearch/study/study_csv.hpp>
+#include <modsearch/study/study_file.hpp>
 #include <modsearch/study/text_hash.hpp>

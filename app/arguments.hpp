@@ -37,6 +37,14 @@ struct TrainArguments {
   std::optional<std::filesystem::path> out;
 };
 
+struct CompareArguments {
+  std::string study;
+  int jobs = 1;
+  bool resume = false;
+  int recheck = 0;
+  std::filesystem::path out;
+};
+
 struct EvaluateArguments {
   std::string problem;
   std::string design;
@@ -55,7 +63,7 @@ struct RenderArguments {
 };
 
 struct ListArguments {
-  std::string what;  ///< "solvers", "agents" or "problems"
+  std::string what;  ///< "solvers", "agents", "problems" or "studies"
 };
 
 /// A whole number in [0, `most`] for `option`. Throws std::invalid_argument (option, text, limit) for anything else,

@@ -9,11 +9,13 @@
 #include <modsearch/rl/settings.hpp>
 #include <modsearch/solvers/verification.hpp>
 #include <modsearch/study/solution_page.hpp>
+#include <modsearch/study/study_file.hpp>
 
 #include "app/output_internal.hpp"
 #include "app/progress.hpp"
 #include "app/report_internal.hpp"
 #include "app/solver_registry.hpp"
+#include "app/study_names.hpp"
 
 namespace modsearch::app {
 namespace {
@@ -293,6 +295,18 @@ Status list(const ListArguments& arguments, const CommonArguments& common) {
                       {"collision", name(file.spec.level)},
                       {"library", file.spec.library->name()},
                       {"maxModules", file.spec.max_modules}});
+    }
+  } else if (arguments.what == "studies") {
+    for (const std::string& id : builtin_studies()) {
+      const Study study = load_study(id, study_names());
+      const std::size_t n_cells = cells_of(study).size();
+      text += fmt::format("{:<12}{} problems, {} solvers, {} seeds: {} cells\n", id, study.problems.size(),
+                          study.solvers.size(), study.seeds.size(), n_cells);
+      json.push_back({{"id", id},
+                      {"problems", study.problems.size()},
+                      {"solvers", study.solvers.size()},
+                      {"seeds", study.seeds.size()},
+                      {"cells", n_cells}});
     }
   } else {
     const LearnerSettings defaults = settings_of(AgentKind::kMpdqn, Preset::kReport);

@@ -19,6 +19,7 @@ enum class Status {
 /// std::invalid_argument.
 [[nodiscard]] Status solve(const SolveArguments& arguments, const CommonArguments& common, std::stop_token stop);
 [[nodiscard]] Status train(const TrainArguments& arguments, const CommonArguments& common, std::stop_token stop);
+[[nodiscard]] Status compare(const CompareArguments& arguments, const CommonArguments& common, std::stop_token stop);
 [[nodiscard]] Status evaluate(const EvaluateArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status verify_solution(const VerifyArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status render(const RenderArguments& arguments, const CommonArguments& common);

@@ -28,6 +28,7 @@ struct Arguments {
   CommonArguments common;
   SolveArguments solve;
   TrainArguments train;
+  CompareArguments compare;
   EvaluateArguments evaluate;
   VerifyArguments verify;
   RenderArguments render;
@@ -52,6 +53,18 @@ void add_seed(CLI::App& command, std::uint64_t& seed, const std::string& meaning
           "--seed",
           [&](const std::string& text) {
             seed = parse_whole_number("--seed", text, std::numeric_limits<std::uint64_t>::max());
+          },
+          meaning)
+      ->type_name("N");
+}
+
+void add_count(CLI::App& command, const std::string& option, int& count, const std::string& meaning) {
+  constexpr std::uint64_t kMost = 1'000'000;
+  command
+      .add_option_function<std::string>(
+          option,
+          [&count, option](const std::string& text) {
+            count = static_cast<int>(parse_whole_number(option, text, kMost));
           },
           meaning)
       ->type_name("N");
@@ -110,6 +123,15 @@ void describe(CLI::App& app, Arguments& a) {
                    "folder for policy.json with its weights, training.csv, TensorBoard events, checkpoint.bin");
   add_common(train, a.common, "modsearch train seed/fixed --agent mpdqn:preset=best --out out/");
 
+  CLI::App& compare =
+      *app.add_subcommand("compare", "compare solvers and agents: problems x instances x solvers x seeds");
+  compare.add_option("STUDY", a.compare.study, "study file, or the ID of a built-in one")->required();
+  add_count(compare, "--jobs", a.compare.jobs, "cells at the same time, each in a process of its own (default 1)");
+  compare.add_flag("--resume", a.compare.resume, "go on with the journal in --out");
+  add_count(compare, "--recheck", a.compare.recheck, "finished cells to compute once more and compare (default 0)");
+  compare.add_option("--out", a.compare.out, "folder for events.jsonl, runs.csv, traces.csv, policies/")->required();
+  add_common(compare, a.common, "modsearch compare quick --jobs 2 --out out/");
+
   CLI::App& evaluate = *app.add_subcommand("evaluate", "score a given design, term by term");
   evaluate.add_option("PROBLEM", a.evaluate.problem, "problem file or ID")->required();
   evaluate.add_option("DESIGN", a.evaluate.design, "solution file, or a JSON array of placements")->required();
@@ -128,9 +150,9 @@ void describe(CLI::App& app, Arguments& a) {
   add_common(render, a.common, "modsearch render out/solution.json --out out/");
 
   CLI::App& list = *app.add_subcommand("list", "what there is, with options and defaults");
-  list.add_option("WHAT", a.list.what, "solvers, agents or problems")
+  list.add_option("WHAT", a.list.what, "solvers, agents, problems or studies")
       ->required()
-      ->check(CLI::IsMember({"solvers", "agents", "problems"}));
+      ->check(CLI::IsMember({"solvers", "agents", "problems", "studies"}));
   add_common(list, a.common, "modsearch list solvers");
 }
 
@@ -150,6 +172,7 @@ Status run(const CLI::App& app, const Arguments& a) {
   // Only a search can be asked to stop and still has something to say; everything else Ctrl-C simply ends.
   if (app.got_subcommand("solve")) return solve(a.solve, a.common, stop_on_interrupt());
   if (app.got_subcommand("train")) return train(a.train, a.common, stop_on_interrupt());
+  if (app.got_subcommand("compare")) return compare(a.compare, a.common, stop_on_interrupt());
   if (app.got_subcommand("evaluate")) return evaluate(a.evaluate, a.common);
   if (app.got_subcommand("verify")) return verify_solution(a.verify, a.common);
   if (app.got_subcommand("render")) return render(a.render, a.common);

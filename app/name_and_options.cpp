@@ -28,4 +28,13 @@ NameAndOptions parse_name_and_options(const std::string& text, const std::string
   return result;
 }
 
+std::string canonical(NameAndOptions parsed) {
+  std::sort(parsed.options.begin(), parsed.options.end());
+  std::string text = parsed.name;
+  for (const auto& [key, value] : parsed.options) {
+    text += fmt::format("{}{}={}", text == parsed.name ? ':' : ',', key, value);
+  }
+  return text;
+}
+
 }  // namespace modsearch::app

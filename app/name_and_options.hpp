@@ -16,4 +16,7 @@ struct NameAndOptions {
 /// Throws std::invalid_argument for a part that is not key=value, and for a key given twice.
 [[nodiscard]] NameAndOptions parse_name_and_options(const std::string& text, const std::string& what);
 
+/// "name:key=value,key=value" with the keys sorted: one text for all ways to write the same.
+[[nodiscard]] std::string canonical(NameAndOptions parsed);
+
 }  // namespace modsearch::app

@@ -1,12 +1,13 @@
 #include "app/progress.hpp"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+
+#include "app/terminal.hpp"
 
 namespace modsearch::app {
 namespace {
@@ -18,13 +19,6 @@ double spent_share(const Budget& budget, const Progress& progress) {
   const double by_time = std::isfinite(budget.seconds) ? progress.seconds / budget.seconds : 0.0;
   const double by_count = static_cast<double>(progress.evaluations) / static_cast<double>(budget.evaluations);
   return std::clamp(std::max(by_time, by_count), 0.0, 1.0);
-}
-
-// Characters in a line of the terminal at stderr; a usual width where it does not say.
-std::size_t terminal_width() {
-  winsize size{};
-  constexpr std::size_t kUsual = 80;
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsual;
 }
 
 std::string best_so_far(const Meter& meter) {

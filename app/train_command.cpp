@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -9,8 +8,8 @@
 #include <modsearch/rl/training_csv.hpp>
 #include <modsearch/solvers/archive.hpp>
 
+#include "app/agent_choice.hpp"
 #include "app/commands.hpp"
-#include "app/name_and_options.hpp"
 #include "app/output_internal.hpp"
 #include "app/training_display.hpp"
 
@@ -21,36 +20,6 @@ constexpr const char* kCheckpoint = "checkpoint.bin";
 constexpr double kSecondsBetweenCheckpoints = 5.0;
 
 double now() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
-
-struct ChosenAgent {
-  LearnerSettings settings;
-  std::string preset;
-};
-
-ChosenAgent choose_agent(const std::string& text, const ProblemFile& file) {
-  const NameAndOptions parsed = parse_name_and_options(text, "agent");
-  const std::optional<AgentKind> kind = agent_kind_from_name(parsed.name);
-  if (!kind) {
-    std::vector<std::string_view> known;
-    for (const AgentKind each : agent_kinds()) known.push_back(name(each));
-    throw std::invalid_argument(fmt::format("agent '{}' is not one of {}", parsed.name, fmt::join(known, ", ")));
-  }
-  ChosenAgent chosen{{}, "report"};
-  for (const auto& [key, value] : parsed.options) {
-    if (key == "preset") chosen.preset = value;
-  }
-  const std::optional<Preset> preset = preset_from_name(chosen.preset);
-  if (!preset) {
-    throw std::invalid_argument(
-        fmt::format("agent option preset={}: not one of report, report-code, best", chosen.preset));
-  }
-  chosen.settings = settings_of(*kind, *preset, traits_of(file));
-  for (const auto& [key, value] : parsed.options) {
-    if (key != "preset") apply_setting(chosen.settings, key, value);
-  }
-  chosen.settings.environment.hindsight_region = file.sampling;
-  return chosen;
-}
 
 // What a checkpoint must agree in with the training that goes on from it. The number of episodes may grow where it
 // changes no schedule, so it is compared with the rest.

@@ -1,6 +1,6 @@
 # Writes OUTPUT, a C++ file that holds the files of data/ as text. Run as:
 #   cmake -DOUTPUT=... "-DLIBRARIES=id=file|id=file" "-DPROBLEMS=id=file|id=file" -DHEADER=... -DNAMESPACE=... -P embed.cmake
-# HEADER declares BuiltinFile and the two tables in NAMESPACE.
+# HEADER declares BuiltinFile and the two tables in NAMESPACE; a third one, of studies, where -DSTUDIES=... is given too.
 function(table name entries)
   string(REPLACE "|" ";" entries "${entries}")
   string(APPEND text "constexpr BuiltinFile k${name}Files[] = {\n")
@@ -22,8 +22,14 @@ set(source "// Written by data/embed.cmake.\n#include <${HEADER}>\n\n")
 string(APPEND source "namespace ${NAMESPACE} {\nnamespace {\n")
 table(Library "${LIBRARIES}")
 table(Problem "${PROBLEMS}")
+if(STUDIES)
+  table(Study "${STUDIES}")
+endif()
 string(APPEND source "}  // namespace\n\n")
 string(APPEND source "const std::span<const BuiltinFile> kBuiltinLibraries{kLibraryFiles};\n")
 string(APPEND source "const std::span<const BuiltinFile> kBuiltinProblems{kProblemFiles};\n")
+if(STUDIES)
+  string(APPEND source "const std::span<const BuiltinFile> kBuiltinStudies{kStudyFiles};\n")
+endif()
 string(APPEND source "\n}  // namespace ${NAMESPACE}\n")
 file(WRITE "${OUTPUT}" "${source}")

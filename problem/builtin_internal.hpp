@@ -14,5 +14,6 @@ struct BuiltinFile {
 /// In the order of their IDs; defined in a source that the build writes.
 extern const std::span<const BuiltinFile> kBuiltinLibraries;
 extern const std::span<const BuiltinFile> kBuiltinProblems;
+extern const std::span<const BuiltinFile> kBuiltinStudies;
 
 }  // namespace modsearch::detail

@@ -96,8 +96,7 @@ bool has_finite_weights(const Policy& policy) {
   });
 }
 
-void train(const StudySolver& solver, CellRecord& record, const std::filesystem::path& folder) {
-  const StudyTraining& plan = *solver.training;
+void train(const StudyTraining& plan, CellRecord& record, const std::filesystem::path& folder) {
   LearnerSettings settings = plan.settings;
   settings.training.final_episodes = 0;
   const double before = cpu_seconds();
@@ -105,7 +104,7 @@ void train(const StudySolver& solver, CellRecord& record, const std::filesystem:
   const Training training = AgentLearner{settings}.train(plan.source, meter, Rng{record.key.seed});
   const auto& policy = dynamic_cast<const Policy&>(*training.policy);
   if (training.end == TrainingEnd::kDiverged || !has_finite_weights(policy)) {
-    throw std::runtime_error(fmt::format("the training of '{}' diverged: smaller learning rates may help", solver.label));
+    throw std::runtime_error(fmt::format("the training of '{}' diverged: smaller learning rates may help", record.key.label));
   }
   const double mean_return =
       training.history.empty() ? -std::numeric_limits<double>::infinity() : training.history.back().evaluation.mean_return;
@@ -142,7 +141,7 @@ CellRecord compute(const Study& study, const PlannedCell& cell, const std::files
   const CellKey& key = record.key;
   switch (key.kind) {
     case CellKind::kTraining:
-      train(study.solvers[cell.solver], record, folder);
+      train(study.solvers[cell.solver].trainings[cell.training], record, folder);
       break;
     case CellKind::kBound:
       solve(study.problems[cell.problem], *study.certification->solver, record);

@@ -35,13 +35,14 @@ void check(const StudyProblem& problem) {
 
 void check(const StudySolver& solver) {
   if (solver.text.empty()) refuse(fmt::format("solver '{}' has no text that names it and its options", solver.label));
-  if ((solver.solver != nullptr) == solver.training.has_value()) {
+  if ((solver.solver != nullptr) != solver.trainings.empty()) {
     refuse(fmt::format("solver '{}' is either given or trained", solver.label));
   }
-  if (!solver.training) return;
-  if (solver.training->seeds.empty()) refuse(fmt::format("solver '{}': no seed of a training", solver.label));
-  if (!solver.training->source || !solver.training->library) {
-    refuse(fmt::format("solver '{}': no problems or no library to train on", solver.label));
+  for (const StudyTraining& training : solver.trainings) {
+    if (training.seeds.empty()) refuse(fmt::format("solver '{}': no seed of a training", solver.label));
+    if (!training.source || !training.library) {
+      refuse(fmt::format("solver '{}': no problems or no library to train on", solver.label));
+    }
   }
 }
 
@@ -93,7 +94,7 @@ std::string canonical(const Study& study) {
   for (const PlannedCell& cell : cells_of(study)) text += fmt::format("{} {}\n", cell.record.id, cell.record.key.label);
   for (const StudyProblem& problem : study.problems) text += fmt::format("{}\n{}\n", problem.name, problem.content);
   for (const StudySolver& solver : study.solvers) {
-    if (solver.training) text += settings_text(solver.training->settings);
+    for (const StudyTraining& training : solver.trainings) text += settings_text(training.settings);
   }
   return text + fmt::format("{}\n{}\n", study.name, fmt::join(study.mass_targets, ","));
 }
@@ -101,7 +102,7 @@ std::string canonical(const Study& study) {
 // Collects cells and refuses one that is there already.
 class CellList {
  public:
-  std::size_t add(CellKey key, std::size_t problem, std::size_t solver, std::optional<std::size_t> needs = {}) {
+  std::size_t add(CellKey key, PlannedCell cell) {
     const std::string id = cell_id(key);
     const std::size_t number = cells_.size();
     const auto [place, is_new] = numbers_.emplace(id, number);
@@ -109,7 +110,6 @@ class CellList {
       const CellKey& other = cells_[place->second].record.key;
       refuse(fmt::format("solvers '{}' and '{}' are the same on {}: {}", other.label, key.label, key.problem, key.solver));
     }
-    PlannedCell cell{.record = {}, .problem = problem, .solver = solver, .needs = needs};
     cell.record.id = id;
     cell.record.number = static_cast<std::int64_t>(number);
     cell.record.key = std::move(key);
@@ -124,25 +124,36 @@ class CellList {
   std::map<std::string, std::size_t> numbers_;
 };
 
-// Numbers of the trainings of each solver, by their seeds.
-std::vector<std::vector<std::size_t>> add_trainings(const Study& study, CellList& cells) {
-  std::vector<std::vector<std::size_t>> trainings(study.solvers.size());
+// Numbers of the cells of each training of each solver, by its seeds: [n_solvers][n_trainings][n_seeds].
+using TrainingNumbers = std::vector<std::vector<std::vector<std::size_t>>>;
+
+TrainingNumbers add_trainings(const Study& study, CellList& cells) {
+  TrainingNumbers numbers(study.solvers.size());
   for (std::size_t s = 0; s < study.solvers.size(); ++s) {
     const StudySolver& solver = study.solvers[s];
-    if (!solver.training) continue;
-    for (const std::uint64_t seed : solver.training->seeds) {
-      trainings[s].push_back(cells.add({.kind = CellKind::kTraining,
-                                       .problem = solver.training->problem,
-                                       .instance = std::nullopt,
-                                       .label = solver.label,
-                                       .solver = solver.text,
-                                       .seed = seed,
-                                       .budget = {.evaluations = std::numeric_limits<std::int64_t>::max()},
-                                       .training = {}},
-                                      0, s));
+    for (std::size_t t = 0; t < solver.trainings.size(); ++t) {
+      std::vector<std::size_t>& by_seed = numbers[s].emplace_back();
+      for (const std::uint64_t seed : solver.trainings[t].seeds) {
+        by_seed.push_back(cells.add({.kind = CellKind::kTraining,
+                                     .problem = solver.trainings[t].problem,
+                                     .instance = std::nullopt,
+                                     .label = solver.label,
+                                     .solver = solver.text,
+                                     .seed = seed,
+                                     .budget = {.evaluations = std::numeric_limits<std::int64_t>::max()},
+                                     .training = {}},
+                                    {.record = {}, .solver = s, .training = t}));
+      }
     }
   }
-  return trainings;
+  return numbers;
+}
+
+// Which of a solver's trainings belongs to a problem.
+std::size_t training_for(const StudySolver& solver, const std::string& problem) {
+  const auto own = std::find_if(solver.trainings.begin(), solver.trainings.end(),
+                                [&](const StudyTraining& training) { return training.problem == problem; });
+  return own == solver.trainings.end() ? 0 : static_cast<std::size_t>(own - solver.trainings.begin());
 }
 
 void add_bounds(const Study& study, CellList& cells) {
@@ -157,7 +168,7 @@ void add_bounds(const Study& study, CellList& cells) {
                 .seed = 0,
                 .budget = study.certification->budget,
                 .training = {}},
-               p, 0);
+               {.record = {}, .problem = p});
     }
   }
 }
@@ -169,7 +180,7 @@ std::string cell_id(const CellKey& key) { return text_hash(canonical(key)); }
 std::vector<PlannedCell> cells_of(const Study& study) {
   check(study);
   CellList cells;
-  const std::vector<std::vector<std::size_t>> trainings = add_trainings(study, cells);
+  const TrainingNumbers trainings = add_trainings(study, cells);
   add_bounds(study, cells);
   for (std::size_t p = 0; p < study.problems.size(); ++p) {
     for (const std::optional<Instance>& instance : instances_of(study.problems[p])) {
@@ -185,10 +196,11 @@ std::vector<PlannedCell> cells_of(const Study& study) {
                       .training = {}};
           std::optional<std::size_t> needs;
           if (!trainings[s].empty()) {
-            needs = trainings[s][i % trainings[s].size()];
+            const auto& by_seed = trainings[s][training_for(study.solvers[s], study.problems[p].name)];
+            needs = by_seed[i % by_seed.size()];
             key.training = cells.id(*needs);
           }
-          cells.add(std::move(key), p, s, needs);
+          cells.add(std::move(key), {.record = {}, .problem = p, .solver = s, .needs = needs});
         }
       }
     }
@@ -211,7 +223,7 @@ StudyFacts facts_of(const Study& study, const std::string& command) {
     for (const std::optional<Instance>& instance : instances_of(problem)) known.instances.push_back(*instance);
   }
   for (const StudySolver& solver : study.solvers) {
-    facts.solvers.push_back({solver.label, solver.text, solver.training.has_value()});
+    facts.solvers.push_back({solver.label, solver.text, !solver.trainings.empty()});
   }
   facts.seeds = study.seeds;
   facts.budget = study.budget;

@@ -35,7 +35,7 @@ struct StudyProblem {
 
 /// How a policy comes about: one training per seed, each a cell of its own.
 struct StudyTraining {
-  std::string problem;  ///< the family it is trained on, as a name
+  std::string problem;  ///< name of the family it is trained on; a run on a problem of this name uses it
   ProblemSource source;
   std::shared_ptr<const ModuleLibrary> library;
   LearnerSettings settings;               ///< its final episodes are left out: runs say more
@@ -47,8 +47,9 @@ struct StudyTraining {
 struct StudySolver {
   std::string label;  ///< in tables
   std::string text;   ///< name and options: "ga:polish=3"; decides, with the rest, which cell it is
-  std::shared_ptr<const Solver> solver{};    ///< null where it is a policy that the study trains
-  std::optional<StudyTraining> training{};
+  std::shared_ptr<const Solver> solver{};  ///< null where it is a policy that the study trains
+  /// A policy's: on problems that none of them is trained on, the first one's policy is used.
+  std::vector<StudyTraining> trainings{};
 };
 
 /// How the best possible score of each instance is bounded: by a solver that gives bounds.
@@ -75,6 +76,7 @@ struct PlannedCell {
   CellRecord record;  ///< ID, number and key
   std::size_t problem = 0;
   std::size_t solver = 0;             ///< not of a bound
+  std::size_t training = 0;           ///< of a training: which of the solver's
   std::optional<std::size_t> needs{};  ///< the training that has to come first
 };
 

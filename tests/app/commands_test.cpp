@@ -431,12 +431,12 @@ TEST(BadUsage, WithoutACommandNamesThemAll) {
   const TemporaryFolder folder;
   const Outcome outcome = modsearch({}, folder);
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.err, "modsearch: no command given: one of solve, train, evaluate, verify, render, list\n");
+  EXPECT_EQ(outcome.err, "modsearch: no command given: one of solve, train, compare, evaluate, verify, render, list\n");
 }
 
 TEST(Help, ShowsAnExampleForEverySubcommand) {
   const TemporaryFolder folder;
-  for (const char* command : {"solve", "evaluate", "verify", "render", "list"}) {
+  for (const char* command : {"solve", "compare", "evaluate", "verify", "render", "list"}) {
     const Outcome help = modsearch({command, "--help"}, folder);
     EXPECT_EQ(help.status, 0);
     EXPECT_THAT(help.out, HasSubstr(std::string{"Example:\n  modsearch "} + command));

@@ -312,12 +312,12 @@ StudySolver small_agent(std::vector<std::uint64_t> seeds) {
   settings.training.episodes = 60;
   return {.label = "agent",
           .text = "mpdqn:preset=best,episodes=60",
-          .training = StudyTraining{.problem = "seed/fixed",
-                                    .source = problem_source(family),
-                                    .library = family.spec.library,
-                                    .settings = settings,
-                                    .preset = "best",
-                                    .seeds = std::move(seeds)}};
+          .trainings = {StudyTraining{.problem = "seed/fixed",
+                                      .source = problem_source(family),
+                                      .library = family.spec.library,
+                                      .settings = settings,
+                                      .preset = "best",
+                                      .seeds = std::move(seeds)}}};
 }
 
 TEST_F(RunStudy, TrainsEachAgentOncePerTrainingSeedAndUsesItsPolicy) {
@@ -358,7 +358,7 @@ TEST_F(RunStudy, FailsTheRunsOfAnAgentWhoseTrainingFailed) {
   Study study = small_study();
   study.problems.resize(1);
   study.solvers = {small_agent({7})};
-  study.solvers[0].training->source = [](Rng) -> std::shared_ptr<const DesignProblem> {
+  study.solvers[0].trainings[0].source = [](Rng) -> std::shared_ptr<const DesignProblem> {
     throw std::runtime_error("nothing to learn from");
   };
   const StudyRecord record = run_in("a", study);

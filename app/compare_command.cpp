@@ -1,0 +1,55 @@
+#include <algorithm>
+#include <modsearch/study/run_study.hpp>
+#include <modsearch/study/study_csv.hpp>
+#include <modsearch/study/study_file.hpp>
+
+#include "app/commands.hpp"
+#include "app/output_internal.hpp"
+#include "app/study_display.hpp"
+#include "app/study_names.hpp"
+#include "app/study_table.hpp"
+
+namespace modsearch::app {
+namespace {
+
+// What is made of the journal, as names and texts.
+std::vector<std::pair<std::string, std::string>> derived_files(const StudyRecord& record) {
+  return {{"runs.csv", runs_csv(record)}, {"traces.csv", traces_csv(record)}};
+}
+
+}  // namespace
+
+Status compare(const CompareArguments& arguments, const CommonArguments& common, std::stop_token stop) {
+  const Study study = load_study(arguments.study, study_names());
+  make_folder(arguments.out);
+  StudyDisplay display{common.quiet};
+  const StudyRecord record = run(study, {.folder = arguments.out,
+                                         .jobs = arguments.jobs,
+                                         .resume = arguments.resume,
+                                         .recheck = arguments.recheck,
+                                         .command = common.command,
+                                         .progress = [&](const StudyProgress& progress) { display.update(progress); },
+                                         .stop = stop});
+  display.finish();
+
+  std::vector<std::string> written{(arguments.out / "events.jsonl").string()};
+  for (const auto& [name, text] : derived_files(record)) {
+    write_file(arguments.out / name, text);
+    written.push_back((arguments.out / name).string());
+  }
+  if (common.json) {
+    nlohmann::ordered_json json = study_json(record);
+    json["files"] = written;
+    print(json);
+  } else {
+    write_out(study_text(record));
+    write_out("\n");
+    for (const std::string& path : written) say("wrote        {}\n", path);
+  }
+  if (stop.stop_requested()) return Status::kInterrupted;
+  const bool failed = std::any_of(record.cells.begin(), record.cells.end(),
+                                  [](const CellRecord& cell) { return cell.state == CellState::kFailed; });
+  return failed ? Status::kNegative : Status::kSuccess;
+}
+
+}  // namespace modsearch::app

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <modsearch/study/records.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace modsearch::app {
+
+/// What a study came to, one object per problem: for each solver its runs, those that achieved the task, medians of
+/// score, regret, evaluations and seconds, and what its training took. Regret is against the certified bound of the
+/// instance where there is one, else against the best achieved score of the study.
+[[nodiscard]] nlohmann::ordered_json study_json(const StudyRecord& record);
+
+/// The same for people, a table per problem.
+[[nodiscard]] std::string study_text(const StudyRecord& record);
+
+}  // namespace modsearch::app
