@@ -196,17 +196,18 @@ void merge_parameters(Model& model) {
 /// Cylinders of a frame, one after the other where each begins on the axis and at the end of the one before.
 std::vector<Run> find_runs(const Model& model) {
   std::vector<Run> runs;  // affine in the parameters first
-  for (const auto& [frame, shape] : model.shapes) {
+  for (const PlacedBodyShape& placed : model.shapes) {
+    const Shape& shape = placed.shape;
     if (shape.kind != Kind::kCylinder) continue;
     const AffineScalar& height = shape.size[1];
     const Vector z = column(shape.pose.turn, 2);
     AffineVector half{Interval{0.5} * height.offset * z, {}};
     for (const Interval& c : height.columns) half.columns.push_back(Interval{0.5} * c * z);
     const AffineVector back = Interval{-1.0} * half;
-    Run run{frame, z, shape.pose.move + back, shape.pose.move + half, shape.size[0].offset.upper(), true};
+    Run run{placed.frame, z, shape.pose.move + back, shape.pose.move + half, shape.size[0].offset.upper(), true};
     for (const Interval& c : shape.size[0].columns) run.usable = run.usable && c.is_zero();  // constant radius
     const auto continues = [&](Run& before) {
-      if (before.frame != frame || !before.usable || !run.usable || before.radius != run.radius) return false;
+      if (before.frame != run.frame || !before.usable || !run.usable || before.radius != run.radius) return false;
       if (!is_exact(before.axis) || !is_exact(run.axis) || !is_exact(before.end)) return false;
       if (same(before.axis, run.axis) && same(before.end, run.start)) {
         before.end = run.end;

@@ -1,8 +1,12 @@
+#include <algorithm>
 #include <checker/separation.hpp>
 #include <cmath>
+#include <functional>
 
 namespace modsearch_check {
 namespace {
+
+constexpr std::size_t kStarts = 8;
 
 /// Largest n . x over the solid.
 Interval support(const Solid& solid, const Vector& n) {
@@ -60,42 +64,44 @@ std::vector<Numbers> candidates(const Solid& a, const Solid& b) {
   return result;
 }
 
+/// Turns a direction, ever more finely, as long as the gap in it widens; whether the solids are apart in the end.
+bool gap_opens(const Solid& a, const Solid& b, Numbers best, double widest) {
+  double step = 0.5;
+  for (int round = 0; round < 1000 && step > 1e-13 && widest > -INFINITY; ++round) {
+    const Numbers side = unit(product(best, std::abs(best[0]) < 0.6 ? Numbers{1.0, 0.0, 0.0} : Numbers{0.0, 1.0, 0.0}));
+    const Numbers other = product(best, side);
+    bool better = false;
+    for (int k = 0; k < 8 && !better; ++k) {
+      const double angle = k * 0.7853981633974483 + round;  // radians: other directions in every round
+      const Numbers turned = unit(plus(plus(best, step * std::cos(angle), side), step * std::sin(angle), other));
+      const double width = gap(a, b, turned);
+      if (width >= -kSlack) return true;
+      better = width > widest;
+      if (better) {
+        widest = width;
+        best = turned;
+      }
+    }
+    if (!better) step *= 0.7;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool are_apart(const Solid& a, const Solid& b, const std::vector<Numbers>& normals) {
   for (const Numbers& n : normals) {
     if (gap(a, b, n) >= -kSlack) return true;
   }
-  Numbers best{};
-  double widest = -INFINITY;
+  std::vector<std::pair<double, Numbers>> starts;
   for (const Numbers& n : candidates(a, b)) {
-    const double width = gap(a, b, n);
-    if (width >= -kSlack) return true;
-    if (width > widest) {
-      widest = width;
-      best = unit(n);
-    }
+    starts.emplace_back(gap(a, b, n), unit(n));
+    if (starts.back().first >= -kSlack) return true;
   }
-  // Turn the best direction, ever more finely.
-  double step = 0.5;
-  for (int round = 0; round < 2000 && step > 1e-13 && widest > -INFINITY; ++round) {
-    const Numbers side = unit(product(best, std::abs(best[0]) < 0.6 ? Numbers{1.0, 0.0, 0.0} : Numbers{0.0, 1.0, 0.0}));
-    const Numbers other = product(best, side);
-    bool better = false;
-    for (int k = 0; k < 8 && !better; ++k) {
-      const double angle = k * 0.7853981633974483;
-      const Numbers turned = unit(plus(plus(best, step * std::cos(angle), side), step * std::sin(angle), other));
-      const double width = gap(a, b, turned);
-      if (width >= -kSlack) return true;
-      if (width > widest) {
-        widest = width;
-        best = turned;
-        better = true;
-      }
-    }
-    if (!better) step *= 0.5;
-  }
-  return false;
+  std::sort(starts.begin(), starts.end(), std::greater<>{});
+  starts.resize(kStarts);
+  return std::any_of(starts.begin(), starts.end(),
+                     [&](const auto& start) { return gap_opens(a, b, start.second, start.first); });
 }
 
 }  // namespace modsearch_check
