@@ -217,27 +217,29 @@ double second_order(const Model& model, const Box& box, const Leaf& leaf, const 
 /// First order: a . w for a w that is as long as b and at most delta away from R_j b in angle.
 double cap_order(const Model& model, const Box& box, const Leaf& leaf, const Sum& sum) {
   const Form mass = mass_form(model, leaf);
-  double bound = INFINITY;
-  for (const std::vector<double>& z : corners(model, box)) {
-    Interval value = at(mass, z);
-    for (const FrameTerms& frame : sum.frames) {
-      for (const Term& t : frame.terms) {
-        const double delta = sum.angles[frame.goal].delta[t.acting];
-        const Vector b = t.world.at(z);
-        const Interval longest = norm(t.a) * norm(b);
-        Interval most = longest;
-        if (delta < 3.14) {
-          const SinCos turn = sin_cos(delta);
-          const Interval along = dot(t.a, b);
-          if (along.upper() < (longest * turn.cos).lower()) {
-            most = along * turn.cos + norm(modsearch_check::cross(t.a, b)) * turn.sin;
-          }
+  const std::vector<std::vector<double>> all = corners(model, box);
+  std::vector<Interval> values;
+  for (const std::vector<double>& z : all) values.push_back(at(mass, z));
+  for (const FrameTerms& frame : sum.frames) {
+    for (const Term& t : frame.terms) {
+      const double delta = sum.angles[frame.goal].delta[t.acting];
+      const Interval length = norm(t.a);
+      const SinCos turn = sin_cos(std::min(delta, 3.14));
+      for (std::size_t c = 0; c < all.size(); ++c) {
+        const Vector b = t.world.at(all[c]);
+        const Interval longest = length * norm(b);
+        const Interval along = dot(t.a, b);
+        double most = longest.upper();
+        if (delta < 3.14 && along.upper() < (longest * turn.cos).lower()) {
+          const Interval edge = along * turn.cos + norm(modsearch_check::cross(t.a, b)) * turn.sin;
+          most = std::min(most, edge.upper());
         }
-        value -= Interval{std::min(most.upper(), longest.upper())};
+        values[c] -= most;
       }
     }
-    bound = std::min(bound, value.lower());
   }
+  double bound = INFINITY;
+  for (const Interval& value : values) bound = std::min(bound, value.lower());
   return bound;
 }
 
