@@ -57,6 +57,7 @@
 #include <modsearch/rl/float_kernels.hpp>
 #include <modsearch/rl/hybrid_space.hpp>
 #include <modsearch/rl/learner.hpp>
+#include <modsearch/rl/learning_values.hpp>
 #include <modsearch/rl/mlp.hpp>
 #include <modsearch/rl/network.hpp>
 #include <modsearch/rl/observation_encoder.hpp>

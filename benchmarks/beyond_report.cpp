@@ -66,7 +66,7 @@ std::vector<Row> rows() {
                    {"model_gradient", "50"},
                    {"model_mass", "5"},
                    {"critic", "0"},
-                   {"invert_bound", "2"},
+                   {"bound", "2"},
                    {"updates_per_step", "8"},
                    {"actor_rate", "0.0003"},
                    {"epsilon_episodes", "60"},

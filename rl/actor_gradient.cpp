@@ -9,6 +9,10 @@ void invert_gradients(Eigen::Ref<RowMatrixXf> g, const Eigen::Ref<const RowMatri
   g = (g.array() > 0.0F).select(g.array() * (bound - p.array()) / range, g.array() * (p.array() + bound) / range);
 }
 
+void zero_outward_gradients(Eigen::Ref<RowMatrixXf> g, const Eigen::Ref<const RowMatrixXf>& p, float bound) {
+  g = (p.array().abs() >= bound && g.array() * p.array() > 0.0F).select(0.0F, g.array());
+}
+
 void keep_taken_slices(const Batch& batch, const HybridSpace& space, Eigen::Ref<RowMatrixXf> g) {
   for (int row = 0; row < batch.size(); ++row) {
     const int first = space.offset(batch.k[row]);
@@ -35,7 +39,7 @@ Work add_model_gradient(const Batch& batch, const HybridSpace& space, const Mode
     const ActionModel* model = batch.model[static_cast<std::size_t>(row)];
     if (model == nullptr) continue;
     for (int k = 0; k < space.n_actions(); ++k) {
-      if (space.count(k) == 0) continue;
+      if (space.count(k) == 0 || (options.taken && k != batch.k[row])) continue;
       // The model knows the parameters' own ranges only; beyond them the nearest point says which way is back.
       x_k = x.row(row).segment(space.offset(k), space.count(k)).transpose().cwiseMax(-1.0F).cwiseMin(1.0F);
       const auto look = model->look(k, {x_k.data(), static_cast<std::size_t>(x_k.size())}, work);

@@ -11,6 +11,10 @@ namespace modsearch {
 /// `p`, changed in place [B x n].
 void invert_gradients(Eigen::Ref<RowMatrixXf> g, const Eigen::Ref<const RowMatrixXf>& p, float bound);
 
+/// Zeroing gradients (the same, section 4), but only those that lead further away: beyond the bounds the way back stays
+/// open. Within them `g` is left alone.
+void zero_outward_gradients(Eigen::Ref<RowMatrixXf> g, const Eigen::Ref<const RowMatrixXf>& p, float bound);
+
 /// Sets dJ/dx [B x D] to 0 outside the slice of the action that each row took.
 void keep_taken_slices(const Batch& batch, const HybridSpace& space, Eigen::Ref<RowMatrixXf> g);
 
@@ -18,7 +22,7 @@ void keep_taken_slices(const Batch& batch, const HybridSpace& space, Eigen::Ref<
 void add_smoothing_noise(const Td3Options& options, Rng& rng, RowMatrixXf& x);
 
 /// Adds the exact derivatives of reach error and mass to the ascent gradient dJ/dx [B x D] at the proposals x, for
-/// every action of every row that has a model. Returns the inner work.
+/// every action, or the one taken, of every row that has a model. Returns the inner work.
 Work add_model_gradient(const Batch& batch, const HybridSpace& space, const ModelGradientOptions& options,
                         const Eigen::Ref<const RowMatrixXf>& x, Eigen::Ref<RowMatrixXf> g);
 

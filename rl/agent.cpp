@@ -26,9 +26,7 @@ HybridAction Agent::greedy(const Eigen::VectorXf& s, ActionMask mask) {
         fmt::format("{}: a state of {} numbers, {} are needed", name(), s.size(), observation_size()));
   }
   if ((mask & space().all()) == 0) throw std::invalid_argument(fmt::format("{}: no action is allowed", name()));
-  HybridAction action = do_greedy(s, mask);
-  action.x = action.x.cwiseMax(-1.0F).cwiseMin(1.0F);
-  return action;
+  return do_greedy(s, mask);
 }
 
 HybridAction Agent::random(ActionMask mask, Rng& rng) const {

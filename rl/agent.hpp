@@ -48,7 +48,8 @@ class Agent {
   [[nodiscard]] virtual const HybridSpace& space() const = 0;
   [[nodiscard]] virtual int observation_size() const = 0;
 
-  /// The best action at `s` [observation_size] among the allowed ones, the first of equals; x within [-1, 1].
+  /// The best action at `s` [observation_size] among the allowed ones, the first of equals; x within [-1, 1]
+  /// unless the agent's options leave it as proposed: environments clip what they take.
   /// Throws std::invalid_argument for an empty mask or another size of s.
   [[nodiscard]] HybridAction greedy(const Eigen::VectorXf& s, ActionMask mask);
   /// An action drawn uniformly among the allowed ones, all parameters uniform in [-1, 1].

@@ -14,6 +14,14 @@ enum class ActorWeighting {
   kRandom,    ///< uniform in [0, 1]^K, scaled to length 1, drawn anew in every update
 };
 
+/// What becomes of the actor's gradient g in a parameter p that approaches its bounds [-b, b] (Hausknecht and Stone
+/// 2016, section 4). mu is linear in its last layer: where nothing holds a parameter back, it drifts away.
+enum class BoundGradients {
+  kInvert,  ///< eq. 11: g (b - p) / 2b upwards, g (p + b) / 2b downwards; near a bound one way counts far more
+  kZero,    ///< g, but 0 beyond a bound and away from it: both ways count the same up to there
+  kNone,
+};
+
 /// The exact derivatives of reach error and mass, added to the actor's gradient where the environment has a model:
 /// g_k += -reach e / sqrt(e^2 + width^2) de/dx_k - mass dm/dx_k. The root turns the pull off at the goal instead of
 /// letting it jump.
@@ -21,6 +29,8 @@ struct ModelGradientOptions {
   double reach = 0.0;   ///< weight of the error e; 0: no model gradient
   double mass = 0.0;    ///< weight of the mass
   double width = 2e-3;  ///< [m]; twice the tolerance of the reference task
+  bool taken = false;   ///< only in the taken action's parameters: what is proposed for types that are never the best,
+                        ///< and may never reach, then does not compete for the network
   double critic = 1.0;  ///< weight of dQ/dx beside it; 0: the critic only chooses the type
 };
 
@@ -48,10 +58,13 @@ struct AgentOptions {
   double actor_output_deviation = 1e-4;    ///< near zero, so that the first parameters are the passthrough's
 
   ActorWeighting weighting = ActorWeighting::kSum;
-  bool indexed = false;               ///< only the replayed action's term of J
-  bool zero_index_gradients = false;  ///< dJ/dx is kept only in the replayed action's slice
-  bool invert_gradients = true;       ///< Hausknecht and Stone 2016, eq. 11
-  double invert_bound = 1.0;          ///< bounds of the inversion; 1.1 lets a parameter rest exactly on its bound
+  bool indexed = false;                             ///< only the replayed action's term of J
+  bool zero_index_gradients = false;                ///< dJ/dx is kept only in the replayed action's slice
+  BoundGradients bounds = BoundGradients::kInvert;  ///< Hausknecht and Stone 2016
+  double bound = 1.0;           ///< b of `bounds`; above 1 a parameter can rest exactly on its bound, which is 1
+  bool clip_parameters = true;  ///< to [-1, 1], before values see and the replay keeps what mu proposes (mu' in targets
+                                ///< and mu in J are never clipped); false: the published code, which only acts clipped
+  bool average = false;         ///< act by mu', a running mean of mu's weights (Polyak and Juditsky 1992)
 
   /// Frozen linear passthrough added to mu: weights N(mean, deviation^2), bias N(0, deviation^2) or as given.
   double passthrough_bias_deviation = 0.0;    ///< the report's code: 2 (of which 62 % lie outside the bounds)

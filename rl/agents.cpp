@@ -32,7 +32,7 @@ void check(const AgentOptions& options) {
   positive("learning rate of the values", options.value_rate);
   positive("learning rate of the actor", options.actor_rate);
   positive("width of the model gradient", options.model.width);
-  require(options.invert_bound >= 1.0, "bound of inverted gradients", options.invert_bound, "[1, inf)");
+  require(options.bound >= 1.0, "bound of the parameters' gradients", options.bound, "[1, inf)");
   require(options.td3.delay >= 1, "updates of the values per update of the actor", options.td3.delay, "[1, ..)");
   not_negative("smoothing of the target parameters", options.td3.smoothing);
   not_negative("clip of that smoothing", options.td3.smoothing_clip);

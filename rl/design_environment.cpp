@@ -159,7 +159,7 @@ Step DesignEnvironment::do_step(int k, std::span<const float> x_k, View& next) {
 
   Step step;
   if (!evaluation_ || !std::isfinite(evaluation_->score)) {
-    step.truncated = true;
+    step.truncated = step.unpaid = true;
     return step;
   }
   score_ = evaluation_->score;

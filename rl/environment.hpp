@@ -16,6 +16,7 @@ struct Step {
   bool terminated = false;  ///< the task itself has ended: no value follows
   bool truncated = false;   ///< cut off from outside (no module left, a time limit, a budget)
   bool success = false;     ///< the episode ended as it should
+  bool unpaid = false;      ///< no reward could be found (the budget is over): nothing can be learned from the step
 };
 
 /// What an agent learns from: (s, k, x, r, s') and whatever the training needs beside it.

@@ -118,6 +118,15 @@ std::vector<double> ObservationEncoder::instance_numbers(const DesignProblem& pr
       numbers.push_back(kCylindricalScale * p_B.norm());
     }
   }
+  if (!options_.axis_heights.empty()) {
+    const Eigen::Isometry3d X_BW = robot->spec().X_WB.inverse();
+    for (const Goal& goal : robot->task().goals()) {
+      const Eigen::Vector3d p_B = X_BW * goal.position();
+      for (const double height : options_.axis_heights) {
+        numbers.push_back(kCylindricalScale * (p_B - height * Eigen::Vector3d::UnitZ()).norm());
+      }
+    }
+  }
   if (!options_.goal_box.empty()) {
     const Eigen::Map<const Eigen::Array3d> lower{options_.goal_box.data()};
     const Eigen::Map<const Eigen::Array3d> upper{options_.goal_box.data() + 3};

@@ -23,10 +23,13 @@ struct EncoderOptions {
   /// to match these lengths; with them more targets were met to the millimetre (97-99 % instead of 96 % on random
   /// ones).
   bool cylindrical = true;
-  /// kScaled only: lower x, y, z and upper x, y, z [m] of the box that goals are drawn from. Every goal's place in it is
-  /// then shown once more, scaled to [-1, 1]: goals of a small box otherwise differ by a few tenths only, and networks
-  /// learn slowly what follows from small differences. Empty: not shown.
+  /// kScaled only: lower x, y, z and upper x, y, z [m] of the box that goals are drawn from. Every goal's place in it
+  /// is then shown once more, scaled to [-1, 1]: goals of a small box otherwise differ by a few tenths only, and
+  /// networks learn slowly what follows from small differences. Empty: not shown.
   std::vector<double> goal_box{};
+  /// kScaled only: heights on the base's axis [m] from which every goal's distance is shown. Where a joint sits at such
+  /// a height the length of what it turns is one of these numbers, instead of a root that networks must bend towards.
+  std::vector<double> axis_heights{};
 };
 
 /// Turns designs of one family of problems into observations of one length.
@@ -34,7 +37,7 @@ struct EncoderOptions {
 /// kScaled: slot i = 0 .. max_modules - 2, base to tip: [one-hot type, n_types + 1 with "empty" last; parameters, as
 /// many as the largest type has, scaled from the library's ranges to [-1, 1], 0 where there are none]; then the share
 /// of modules placed, scaled to [-1, 1]; then problem.context(); then per goal (rho, |t|) / 2 m, for a target t in the
-/// base's frame, and per goal its place in goal_box (robot problems only).
+/// base's frame, per goal its distances from axis_heights / 2 m, and its place in goal_box (robot problems only).
 ///
 /// kSeed36: ten type IDs over 3 (slot 0 is the base, 1.0; link 0, hinge 1 / 3, rotary 2 / 3), ten pairs of parameters
 /// in their own unit, the base's position, the first goal's position [m]. Empty slots look like a link of length 0;
@@ -42,8 +45,8 @@ struct EncoderOptions {
 /// max_modules <= 10.
 class ObservationEncoder {
  public:
-  /// For the family of `problem`. Throws std::invalid_argument (what, value, limit) if `problem` cannot be encoded so, or
-  /// for a goal_box that is no box.
+  /// For the family of `problem`. Throws std::invalid_argument (what, value, limit) if `problem` cannot be encoded so,
+  /// or for a goal_box that is no box.
   ObservationEncoder(EncoderOptions options, const DesignProblem& problem);
 
   [[nodiscard]] int size() const { return design_size_ + instance_size_; }

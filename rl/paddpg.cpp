@@ -1,43 +1,23 @@
-#include <fmt/format.h>
-
 #include <modsearch/rl/actor_gradient.hpp>
 #include <modsearch/rl/paddpg.hpp>
 
 namespace modsearch {
-namespace {
-
-// [s; a; x], the critic's input.
-RowMatrixXf beside(const RowMatrixXf& s, const RowMatrixXf& action) {
-  RowMatrixXf both(s.rows(), s.cols() + action.cols());
-  both << s, action;
-  return both;
-}
-
-}  // namespace
 
 Paddpg::Paddpg(HybridSpace space, int observation_size, AgentOptions options, Rng rng)
     : space_{std::move(space)},
       observation_size_{observation_size},
       options_{std::move(options)},
-      actor_{space_, observation_size, space_.n_actions(), options_, rng} {
-  for (std::uint64_t i = 0; i < (options_.td3.twin ? 2U : 1U); ++i) {
-    Mlp q{{.inputs = observation_size + memory_size(),
-           .hidden = options_.value_hidden,
-           .outputs = 1,
-           .leak = static_cast<float>(options_.leak)}};
-    Rng weights = rng.fork("values").fork(i);
-    q.initialise({.output_deviation = static_cast<float>(options_.value_output_deviation)}, weights);
-    const Eigen::Index n = q.parameters().size();
-    critics_.push_back({q, q, Adam{n, options_.adam()}, Eigen::VectorXf::Zero(n), {}, {}});
-  }
-}
+      values_{ValueKind::kJoint, HybridSpace{{space_.n_actions() + space_.n_parameters()}}, observation_size, options_,
+              rng},
+      actor_{space_, observation_size, space_.n_actions(), options_, rng} {}
 
 // (a, x) = mu(s), k = argmax a
 HybridAction Paddpg::do_greedy(const Eigen::VectorXf& s, ActionMask mask) {
-  const Eigen::VectorXf out = actor_.mu.forward_one(s);
+  const Eigen::VectorXf out = actor_.acting().forward_one(s);
   HybridAction action;
   action.preferences = out.head(space_.n_actions());
   action.x = out.tail(space_.n_parameters());
+  if (options_.clip_parameters) action.x = action.x.cwiseMax(-1.0F).cwiseMin(1.0F);
   action.k = best_action(action.preferences, mask);
   return action;
 }
@@ -59,12 +39,12 @@ void Paddpg::remember(const HybridAction& action, std::span<float> memory) const
 // The critic learns, then the actor climbs it, then the targets follow.
 UpdateFacts Paddpg::update(const Batch& batch, Rng& rng) {
   UpdateFacts facts;
-  learn_values(batch, targets(batch, rng), facts);
+  // L = mean_B (Q(s, a, x) - y)^2
+  values_.fit(batch.s, batch.x, Eigen::VectorXi::Zero(batch.size()), targets(batch, rng),
+              options_.value_rate * rate_factor_, facts);
   if (++updates_ % options_.td3.delay != 0) return facts;
   learn_actor(batch, facts);
-  for (Critic& critic : critics_) {
-    soft_update(critic.q_target.parameters(), critic.q.parameters(), static_cast<float>(options_.value_tau));
-  }
+  values_.follow();
   actor_.follow();
   return facts;
 }
@@ -73,38 +53,20 @@ UpdateFacts Paddpg::update(const Batch& batch, Rng& rng) {
 Eigen::VectorXf Paddpg::targets(const Batch& batch, Rng& rng) {
   RowMatrixXf next = actor_.target.forward(batch.s_next);
   add_smoothing_noise(options_.td3, rng, next);
-  const RowMatrixXf input = beside(batch.s_next, next);
-  Eigen::VectorXf q = critics_.front().q_target.forward(input, critics_.front().target_pass).col(0);
-  for (std::size_t i = 1; i < critics_.size(); ++i) {
-    q = q.cwiseMin(critics_[i].q_target.forward(input, critics_[i].target_pass).col(0));
-  }
+  const Eigen::VectorXf q = values_.target(batch.s_next, next).col(0);
   const auto beta = static_cast<float>(options_.mixed_target);
   return beta * batch.remaining + (1.0F - beta) * (batch.reward + batch.discount.cwiseProduct(q));
 }
 
-// L = mean_B (Q(s, a, x) - y)^2
-void Paddpg::learn_values(const Batch& batch, const Eigen::VectorXf& y, UpdateFacts& facts) {
-  const RowMatrixXf input = beside(batch.s, batch.x);
-  for (Critic& critic : critics_) {
-    const Eigen::VectorXf difference = critic.q.forward(input, critic.pass).col(0) - y;
-    facts.value_loss += difference.squaredNorm() / static_cast<float>(batch.size());
-    critic.gradient.setZero();
-    critic.q.backward(2.0F / static_cast<float>(batch.size()) * difference, critic.pass, &critic.gradient, nullptr);
-    facts.value_gradient += critic.adam.step(critic.q.parameters(), critic.gradient,
-                                            static_cast<float>(options_.value_rate * rate_factor_));
-  }
-}
-
-// J = mean_B Q(s, mu(s)); preferences and parameters alike are inverted at -1 and 1.
+// J = mean_B Q(s, mu(s)); preferences and parameters alike are held within bounds.
 void Paddpg::learn_actor(const Batch& batch, UpdateFacts& facts) {
   const RowMatrixXf& action = actor_.mu.forward(batch.s);
   RowMatrixXf g = RowMatrixXf::Zero(action.rows(), action.cols());
   if (options_.model.critic != 0.0) {
-    Critic& critic = critics_.front();
-    static_cast<void>(critic.q.forward(beside(batch.s, action), critic.pass));
+    ActionValues& q = values_.q();
+    static_cast<void>(q.forward(batch.s, action));
     const RowMatrixXf dj_dq = RowMatrixXf::Constant(batch.size(), 1, 1.0F / static_cast<float>(batch.size()));
-    critic.q.backward(dj_dq, critic.pass, nullptr, &d_inputs_);
-    g = static_cast<float>(options_.model.critic) * d_inputs_.rightCols(action.cols());
+    g = static_cast<float>(options_.model.critic) * q.parameters_gradient(dj_dq);
   }
   if (options_.model.reach != 0.0 || options_.model.mass != 0.0) {
     const int n = space_.n_parameters();
@@ -116,15 +78,7 @@ void Paddpg::learn_actor(const Batch& batch, UpdateFacts& facts) {
 std::vector<StatePart> Paddpg::state() {
   std::vector<StatePart> parts{state_part("rate_factor", rate_factor_), state_part("updates", updates_)};
   actor_.append_state(parts);
-  for (std::size_t i = 0; i < critics_.size(); ++i) {
-    Critic& critic = critics_[i];
-    const std::string q = fmt::format("q{}", i);
-    parts.push_back(state_part(q, critic.q.parameters()));
-    parts.push_back(state_part(q + ".target", critic.q_target.parameters()));
-    parts.push_back(state_part(q + ".adam.m", critic.adam.m));
-    parts.push_back(state_part(q + ".adam.v", critic.adam.v));
-    parts.push_back(state_part(q + ".adam.steps", critic.adam.steps));
-  }
+  values_.append_state(parts, false);
   return parts;
 }
 

@@ -2,7 +2,7 @@
 
 #include <modsearch/rl/agent.hpp>
 #include <modsearch/rl/agent_options.hpp>
-#include <modsearch/rl/mlp.hpp>
+#include <modsearch/rl/learning_values.hpp>
 #include <modsearch/rl/parameter_actor.hpp>
 
 namespace modsearch {
@@ -29,26 +29,15 @@ class Paddpg final : public Agent {
   [[nodiscard]] std::vector<StatePart> state() override;
 
  private:
-  struct Critic {
-    Mlp q;
-    Mlp q_target;
-    Adam adam;
-    Eigen::VectorXf gradient;
-    Mlp::Pass pass;
-    Mlp::Pass target_pass;
-  };
-
   HybridAction do_greedy(const Eigen::VectorXf& s, ActionMask mask) override;
   [[nodiscard]] Eigen::VectorXf targets(const Batch& batch, Rng& rng);
-  void learn_values(const Batch& batch, const Eigen::VectorXf& y, UpdateFacts& facts);
   void learn_actor(const Batch& batch, UpdateFacts& facts);
 
   HybridSpace space_;
   int observation_size_;
   AgentOptions options_;
-  std::vector<Critic> critics_;  // one, or two of TD3
+  LearningValues values_;  // of one action, whose parameters are [a; x]
   LearningActor actor_;
-  RowMatrixXf d_inputs_;
   double rate_factor_ = 1.0;
   std::int64_t updates_ = 0;
 };

@@ -66,14 +66,24 @@ LearningActor::LearningActor(const HybridSpace& space, int observation_size, int
                              Rng rng)
     : mu{space, observation_size, n_heads, options, rng},
       target{mu},
-      invert_{options.invert_gradients},
-      bound_{static_cast<float>(options.invert_bound)},
+      bounds_{options.bounds},
+      bound_{static_cast<float>(options.bound)},
+      average_{options.average},
       tau_{static_cast<float>(options.actor_tau)},
       adam_{mu.parameters().size(), options.adam()},
       gradient_{Eigen::VectorXf::Zero(mu.parameters().size())} {}
 
 double LearningActor::climb(RowMatrixXf g, const RowMatrixXf& outputs, double rate) {
-  if (invert_) invert_gradients(g, outputs, bound_);
+  switch (bounds_) {
+    case BoundGradients::kInvert:
+      invert_gradients(g, outputs, bound_);
+      break;
+    case BoundGradients::kZero:
+      zero_outward_gradients(g, outputs, bound_);
+      break;
+    case BoundGradients::kNone:
+      break;
+  }
   gradient_.setZero();
   mu.backward(-g, gradient_);
   return adam_.step(mu.parameters(), gradient_, static_cast<float>(rate));
@@ -82,10 +92,10 @@ double LearningActor::climb(RowMatrixXf g, const RowMatrixXf& outputs, double ra
 void LearningActor::follow() { soft_update(target.parameters(), mu.parameters(), tau_); }
 
 void LearningActor::append_state(std::vector<StatePart>& parts) {
-  parts.push_back(state_part("mu", mu.parameters(), true));
-  parts.push_back(state_part("mu.passthrough", mu.passthrough(), true));
-  parts.push_back(state_part("mu.target", target.parameters()));
-  parts.push_back(state_part("mu.target.passthrough", target.passthrough()));
+  parts.push_back(state_part("mu", mu.parameters(), !average_));
+  parts.push_back(state_part("mu.passthrough", mu.passthrough(), !average_));
+  parts.push_back(state_part("mu.target", target.parameters(), average_));
+  parts.push_back(state_part("mu.target.passthrough", target.passthrough(), average_));
   parts.push_back(state_part("mu.adam.m", adam_.m));
   parts.push_back(state_part("mu.adam.v", adam_.v));
   parts.push_back(state_part("mu.adam.steps", adam_.steps));

@@ -8,7 +8,8 @@
 namespace modsearch {
 
 /// The parameter actor mu(s) of the P-DQN family: a perceptron plus a linear passthrough W s + b that is drawn once and
-/// never learns (Bester et al. 2019). Linear outputs: inverted gradients keep them within bounds, not a squash.
+/// never learns (Bester et al. 2019). Linear outputs: what becomes of gradients at the bounds keeps them in, not a
+/// squash.
 class ParameterActor {
  public:
   /// `n_heads`: outputs in front of the D parameters that the passthrough leaves alone (PA-DDPG's K preferences).
@@ -44,8 +45,10 @@ class LearningActor {
   ParameterActor mu;
   ParameterActor target;
 
-  /// One step of Adam along dJ/dmu [B x (n_heads + D)] at `outputs`, the last forward of mu, inverted at the bounds
-  /// unless the options say otherwise. Returns the norm of the gradient in the weights before clipping.
+  /// The one that acts: mu, or mu' where the options ask for its average.
+  [[nodiscard]] ParameterActor& acting() { return average_ ? target : mu; }
+  /// One step of Adam along dJ/dmu [B x (n_heads + D)] at `outputs`, the last forward of mu, bent at the bounds as the
+  /// options say. Returns the norm of the gradient in the weights before clipping.
   double climb(RowMatrixXf g, const RowMatrixXf& outputs, double rate);
   /// The target follows mu.
   void follow();
@@ -53,8 +56,9 @@ class LearningActor {
   void append_state(std::vector<StatePart>& parts);
 
  private:
-  bool invert_;
+  BoundGradients bounds_;
   float bound_;
+  bool average_;
   float tau_;
   Adam adam_;
   Eigen::VectorXf gradient_;

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <modsearch/rl/actor_gradient.hpp>
 #include <modsearch/rl/pdqn.hpp>
 
@@ -10,18 +8,8 @@ Pdqn::Pdqn(ValueKind kind, HybridSpace space, int observation_size, AgentOptions
       space_{std::move(space)},
       observation_size_{observation_size},
       options_{std::move(options)},
-      actor_{space_, observation_size, 0, options_, rng} {
-  const ActionValues::Options values{.observation_size = observation_size,
-                                     .hidden = options_.value_hidden,
-                                     .leak = static_cast<float>(options_.leak),
-                                     .output_deviation = static_cast<float>(options_.value_output_deviation)};
-  for (std::uint64_t i = 0; i < (options_.td3.twin ? 2U : 1U); ++i) {
-    std::unique_ptr<ActionValues> q = make_action_values(kind_, space_, values, rng.fork("values").fork(i));
-    std::unique_ptr<ActionValues> q_target = q->clone();
-    const Eigen::Index n = q->parameters().size();
-    critics_.push_back({std::move(q), std::move(q_target), Adam{n, options_.adam()}, Eigen::VectorXf::Zero(n)});
-  }
-}
+      values_{kind_, space_, observation_size, options_, rng},
+      actor_{space_, observation_size, 0, options_, rng} {}
 
 std::string Pdqn::name() const {
   switch (kind_) {
@@ -38,20 +26,20 @@ std::string Pdqn::name() const {
 // k = argmax_k Q(s, mu(s))_k
 HybridAction Pdqn::do_greedy(const Eigen::VectorXf& s, ActionMask mask) {
   HybridAction action;
-  action.x = actor_.mu.forward_one(s).cwiseMax(-1.0F).cwiseMin(1.0F);
-  action.k = best_action(critics_.front().q->forward_one(s, action.x), mask);
+  action.x = actor_.acting().forward_one(s);
+  if (options_.clip_parameters) action.x = action.x.cwiseMax(-1.0F).cwiseMin(1.0F);
+  action.k = best_action(values_.q().forward_one(s, action.x), mask);
   return action;
 }
 
 // Algorithm 1 of Xiong et al. 2018: the values learn, then the actor climbs them, then the targets follow.
 UpdateFacts Pdqn::update(const Batch& batch, Rng& rng) {
   UpdateFacts facts;
-  learn_values(batch, targets(batch, rng), facts);
+  // L = mean_B (Q(s, x)_k - y)^2
+  values_.fit(batch.s, batch.x, batch.k, targets(batch, rng), options_.value_rate * rate_factor_, facts);
   if (++updates_ % options_.td3.delay != 0) return facts;
   learn_actor(batch, rng, facts);
-  for (Critic& critic : critics_) {
-    soft_update(critic.q_target->parameters(), critic.q->parameters(), static_cast<float>(options_.value_tau));
-  }
+  values_.follow();
   actor_.follow();
   return facts;
 }
@@ -60,10 +48,7 @@ UpdateFacts Pdqn::update(const Batch& batch, Rng& rng) {
 Eigen::VectorXf Pdqn::targets(const Batch& batch, Rng& rng) {
   RowMatrixXf x_next = actor_.target.forward(batch.s_next);
   add_smoothing_noise(options_.td3, rng, x_next);
-  RowMatrixXf q = critics_.front().q_target->forward(batch.s_next, x_next);
-  for (std::size_t i = 1; i < critics_.size(); ++i) {
-    q = q.cwiseMin(critics_[i].q_target->forward(batch.s_next, x_next));
-  }
+  const RowMatrixXf q = values_.target(batch.s_next, x_next);
   Eigen::VectorXf y = batch.reward;
   for (Eigen::Index row = 0; row < y.size(); ++row) {
     const int k = best_action(q.row(row).transpose(), batch.next_mask[static_cast<std::size_t>(row)]);
@@ -73,24 +58,12 @@ Eigen::VectorXf Pdqn::targets(const Batch& batch, Rng& rng) {
   return beta * batch.remaining + (1.0F - beta) * y;
 }
 
-// L = mean_B (Q(s, x)_k - y)^2
-void Pdqn::learn_values(const Batch& batch, const Eigen::VectorXf& y, UpdateFacts& facts) {
-  for (Critic& critic : critics_) {
-    const Eigen::VectorXf difference = critic.q->forward_taken(batch.s, batch.x, batch.k) - y;
-    facts.value_loss += difference.squaredNorm() / static_cast<float>(batch.size());
-    critic.gradient.setZero();
-    critic.q->weights_gradient(2.0F / static_cast<float>(batch.size()) * difference, critic.gradient);
-    facts.value_gradient += critic.adam.step(critic.q->parameters(), critic.gradient,
-                                            static_cast<float>(options_.value_rate * rate_factor_));
-  }
-}
-
-// J = mean_B sum_k w_k Q(s, mu(s))_k; the actor follows dJ/dx, inverted at the bounds, through mu.
+// J = mean_B sum_k w_k Q(s, mu(s))_k; the actor follows dJ/dx, bent at the bounds, through mu.
 void Pdqn::learn_actor(const Batch& batch, Rng& rng, UpdateFacts& facts) {
   const RowMatrixXf& x = actor_.mu.forward(batch.s);
   RowMatrixXf g = RowMatrixXf::Zero(x.rows(), x.cols());
   if (options_.model.critic != 0.0) {
-    ActionValues& q = *critics_.front().q;
+    ActionValues& q = values_.q();
     static_cast<void>(q.forward(batch.s, x));
     g = static_cast<float>(options_.model.critic) * q.parameters_gradient(weights(batch, rng));
     if (options_.zero_index_gradients) keep_taken_slices(batch, space_, g);
@@ -130,15 +103,7 @@ RowMatrixXf Pdqn::weights(const Batch& batch, Rng& rng) const {
 std::vector<StatePart> Pdqn::state() {
   std::vector<StatePart> parts{state_part("rate_factor", rate_factor_), state_part("updates", updates_)};
   actor_.append_state(parts);
-  for (std::size_t i = 0; i < critics_.size(); ++i) {
-    Critic& critic = critics_[i];
-    const std::string q = fmt::format("q{}", i);
-    parts.push_back(state_part(q, critic.q->parameters(), i == 0));
-    parts.push_back(state_part(q + ".target", critic.q_target->parameters()));
-    parts.push_back(state_part(q + ".adam.m", critic.adam.m));
-    parts.push_back(state_part(q + ".adam.v", critic.adam.v));
-    parts.push_back(state_part(q + ".adam.steps", critic.adam.steps));
-  }
+  values_.append_state(parts, true);
   return parts;
 }
 

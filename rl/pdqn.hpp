@@ -1,9 +1,8 @@
 #pragma once
 
-#include <modsearch/rl/action_values.hpp>
-#include <modsearch/rl/adam.hpp>
 #include <modsearch/rl/agent.hpp>
 #include <modsearch/rl/agent_options.hpp>
+#include <modsearch/rl/learning_values.hpp>
 #include <modsearch/rl/parameter_actor.hpp>
 
 namespace modsearch {
@@ -27,17 +26,8 @@ class Pdqn final : public Agent {
   [[nodiscard]] std::vector<StatePart> state() override;
 
  private:
-  // A value network Q with its slowly following twin Q' and what its learning remembers.
-  struct Critic {
-    std::unique_ptr<ActionValues> q;
-    std::unique_ptr<ActionValues> q_target;
-    Adam adam;
-    Eigen::VectorXf gradient;
-  };
-
   HybridAction do_greedy(const Eigen::VectorXf& s, ActionMask mask) override;
   [[nodiscard]] Eigen::VectorXf targets(const Batch& batch, Rng& rng);
-  void learn_values(const Batch& batch, const Eigen::VectorXf& y, UpdateFacts& facts);
   void learn_actor(const Batch& batch, Rng& rng, UpdateFacts& facts);
   [[nodiscard]] RowMatrixXf weights(const Batch& batch, Rng& rng) const;
 
@@ -45,7 +35,7 @@ class Pdqn final : public Agent {
   HybridSpace space_;
   int observation_size_;
   AgentOptions options_;
-  std::vector<Critic> critics_;  // one, or two of TD3
+  LearningValues values_;
   LearningActor actor_;
   double rate_factor_ = 1.0;
   std::int64_t updates_ = 0;

@@ -33,6 +33,7 @@ LearnerSettings report_code(AgentKind kind) {
   LearnerSettings s = report(kind);
   s.training.patience = 0;
   s.training.returns.truncation_ends = true;
+  s.agent.clip_parameters = false;
   if (kind == AgentKind::kPaddpg) {
     s.training.returns.legacy_terminals = true;
   } else {
@@ -51,7 +52,7 @@ LearnerSettings best(AgentKind kind, const ProblemTraits& traits) {
   s.kind = kind;
   s.environment.encoder.goal_box = traits.goal_box;
   s.agent.actor_rate = 1e-3;
-  s.agent.invert_bound = 1.1;
+  s.agent.bound = 1.1;
   s.training.returns.reward_scale = 0.1;
   s.training.replay = 100'000;
   s.training.patience = 0;

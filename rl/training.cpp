@@ -118,6 +118,7 @@ void Trainer::train_episode() {
     t.model = environment_->model();
     t.action = exploration_.act(agent_, t.s, environment_->mask(), episode_, explore);
     const Step step = environment_->step(refined(t.action, *environment_, options_.acting, refine, work_));
+    if (step.unpaid) break;
     episode_return += step.reward;
     success = step.success;
     ++steps_;

@@ -1,6 +1,6 @@
-#include <modsearch/rl/actor_gradient.hpp>
-
 #include <gtest/gtest.h>
+
+#include <modsearch/rl/actor_gradient.hpp>
 
 namespace modsearch {
 namespace {
@@ -20,6 +20,16 @@ TEST(InvertGradients, LetsAParameterRestOnItsBoundWithinWiderBounds) {
   RowMatrixXf g = RowMatrixXf::Constant(1, 1, 1.0F);
   invert_gradients(g, RowMatrixXf::Constant(1, 1, 1.0F), 1.1F);
   EXPECT_NEAR(g(0, 0), 0.1F / 2.2F, 1e-6F);
+}
+
+TEST(ZeroOutwardGradients, StopsWhatLeadsAwayBeyondABoundAndNothingElse) {
+  RowMatrixXf g(1, 6), p(1, 6);
+  g << 2.0F, -2.0F, 2.0F, -2.0F, 2.0F, -2.0F;
+  p << 0.9F, 0.9F, 1.2F, 1.2F, -1.2F, -1.2F;
+  zero_outward_gradients(g, p, 1.1F);
+  RowMatrixXf expected(1, 6);
+  expected << 2.0F, -2.0F, 0.0F, -2.0F, 2.0F, 0.0F;
+  EXPECT_EQ(g, expected);
 }
 
 TEST(KeepTakenSlices, ClearsTheGradientsOfOtherActions) {
@@ -77,6 +87,21 @@ TEST(ModelGradient, PullsTowardsTheGoalAndDownTheMass) {
   EXPECT_NEAR(g(0, 1), -0.5 * (10.0 * 0.8 + 3.0 * 2.0), 1e-5);
   EXPECT_EQ(g(0, 0), 0.0F);
   EXPECT_EQ(g.row(1).norm(), 0.0F);
+  EXPECT_EQ(work.ik_iterations, 1);
+}
+
+TEST(ModelGradient, MovesOnlyTheTakenActionWhereAsked) {
+  const LineModel model;
+  const HybridSpace space{{1, 1}};
+  Batch batch;
+  batch.resize(2, 1, 2);
+  batch.model = {&model, &model};
+  batch.k << 0, 1;
+  const RowMatrixXf x = RowMatrixXf::Constant(2, 2, 0.7F);
+  RowMatrixXf g = RowMatrixXf::Zero(2, 2);
+  const Work work = add_model_gradient(batch, space, {.reach = 10.0, .taken = true}, x, g);
+  EXPECT_EQ(g.row(0).norm(), 0.0F);
+  EXPECT_LT(g(1, 1), 0.0F);
   EXPECT_EQ(work.ik_iterations, 1);
 }
 

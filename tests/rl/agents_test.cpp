@@ -168,6 +168,41 @@ TEST(Passthrough, IsAddedToTheParametersAndNeverLearns) {
   }
 }
 
+TEST(Parameters, AreStoredAsProposedWhereNotClipped) {
+  AgentOptions options = quick_agent();
+  options.passthrough_bias = {-3.0, 0.25, 2.0};
+  const IdentityEnvironment environment;
+  const Eigen::VectorXf s = Eigen::VectorXf::Constant(4, 0.5F);
+  // The actor's own output begins within 1e-4 * |hidden| of 0.
+  const auto greedy = [&](AgentKind kind) {
+    return make_agent(kind, environment.space(), 4, options, Rng{0})->greedy(s, 7).x;
+  };
+  for (const AgentKind kind : {AgentKind::kPdqn, AgentKind::kMpdqn, AgentKind::kSpdqn, AgentKind::kPaddpg}) {
+    options.clip_parameters = true;
+    EXPECT_TRUE(greedy(kind).isApprox(Eigen::Vector3f(-1.0F, 0.25F, 1.0F), 1e-2F));
+    options.clip_parameters = false;
+    EXPECT_TRUE(greedy(kind).isApprox(Eigen::Vector3f(-3.0F, 0.25F, 2.0F), 1e-2F));
+  }
+}
+
+TEST(Average, ActsByTheSlowlyFollowingActor) {
+  // With tau = 1 the mean follows at once, with tau = 0 never: it keeps the parameters that it began with.
+  const auto parameters = [](bool average, double tau) {
+    AgentOptions options = quick_agent();
+    options.average = average;
+    options.actor_tau = tau;
+    const IdentityEnvironment environment;
+    const auto agent = make_agent(AgentKind::kPdqn, environment.space(), 4, options, Rng{0});
+    TrainingOptions training = quick_training(200);
+    training.exploration.last_epsilon = 1.0;  // so that both see the same episodes
+    Trainer{*agent, environment, training, Rng{1}}.run();
+    return Eigen::VectorXf{agent->greedy(Eigen::VectorXf::Constant(4, 0.5F), 7).x};
+  };
+  EXPECT_TRUE(parameters(true, 1.0).isApprox(parameters(false, 1.0), 1e-4F));
+  EXPECT_NE(parameters(true, 0.0), parameters(false, 0.0));
+  EXPECT_LT(parameters(true, 0.0).norm(), 0.01F);
+}
+
 TEST(MakeAgent, RefusesOptionsOutOfRange) {
   const HybridSpace space{{1}};
   const auto refused = [&](const AgentOptions& options) {
@@ -176,7 +211,7 @@ TEST(MakeAgent, RefusesOptionsOutOfRange) {
   refused({.gamma = 1.5});
   refused({.value_rate = 0.0});
   refused({.value_tau = 7.0});
-  refused({.invert_bound = 0.5});
+  refused({.bound = 0.5});
   refused({.td3 = {.delay = 0}});
 }
 

@@ -171,6 +171,7 @@ TEST(DesignEnvironment, IsCutOffWhenAnEvaluationIsRefused) {
   EXPECT_FALSE(environment.preview(0, std::vector<float>{0.0F}).has_value());
   const Step step = environment.step(action(environment, "link", {1.0}));
   EXPECT_TRUE(step.truncated);
+  EXPECT_TRUE(step.unpaid);
   EXPECT_EQ(step.reward, 0.0);
   EXPECT_FALSE(environment.evaluation().has_value());
   EXPECT_FALSE(environment.running());

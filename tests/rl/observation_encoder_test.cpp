@@ -44,7 +44,9 @@ TEST(GoalBox, IsShownFromMinusOneToOneAfterAllElse) {
 TEST(GoalBox, MustBeOne) {
   const auto problem = load_problem("seed/fixed");
   EXPECT_THAT(refusal([&] { ObservationEncoder({.goal_box = {0.0, 1.0}}, *problem); }), HasSubstr("box of 2 numbers"));
-  EXPECT_THAT(refusal([&] { ObservationEncoder({.goal_box = {0.0, 0.0, 1.0, 1.0, 1.0, 1.0}}, *problem); }),
+  EXPECT_THAT(refusal([&] {
+                ObservationEncoder({.goal_box = {0.0, 0.0, 1.0, 1.0, 1.0, 1.0}}, *problem);
+              }),
               HasSubstr("from 1 to 1 along z"));
 }
 
@@ -127,6 +129,14 @@ TEST(ScaledObservation, MeasuresTheCylindricalLengthsFromTheBase) {
   const std::vector<float> numbers = encoded({}, RobotProblem{spec}, {});
   EXPECT_NEAR(numbers[58], 0.0, 1e-7);
   EXPECT_NEAR(numbers[59], 0.5, 1e-7);
+}
+
+TEST(ScaledObservation, ShowsDistancesFromPointsOfTheBasesAxisWhenAsked) {
+  const std::vector<float> numbers = encoded({.axis_heights = {0.5, -1.0}}, *load_problem("seed/fixed"), {});
+  ASSERT_EQ(numbers.size(), 62U);
+  // From (0, 0, 0.5) and (0, 0, -1) to (1, 0, 1), over 2 m.
+  EXPECT_FLOAT_EQ(numbers[60], static_cast<float>(0.5 * std::sqrt(1.25)));
+  EXPECT_FLOAT_EQ(numbers[61], static_cast<float>(0.5 * std::sqrt(5.0)));
 }
 
 TEST(ScaledObservation, DescribesObstacles) {

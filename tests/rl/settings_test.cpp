@@ -1,7 +1,7 @@
-#include <modsearch/rl/settings.hpp>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <modsearch/rl/settings.hpp>
 
 namespace modsearch {
 namespace {
@@ -58,6 +58,7 @@ TEST(Presets, HoldTheReportsNumbers) {
   EXPECT_EQ(code.training.batch, 256);
   EXPECT_EQ(code.training.replay, 100'000);
   EXPECT_EQ(code.agent.gamma, 0.99);
+  EXPECT_FALSE(code.agent.clip_parameters);
   EXPECT_TRUE(settings_of(AgentKind::kPaddpg, Preset::kReportCode).training.returns.legacy_terminals);
 }
 

@@ -3,6 +3,7 @@
 
 #include <modsearch/problem/files.hpp>
 #include <modsearch/rl/agents.hpp>
+#include <modsearch/rl/design_environment.hpp>
 #include <modsearch/rl/training.hpp>
 #include <modsearch/solvers/archive.hpp>
 
@@ -182,6 +183,24 @@ TEST(StabilisedAfter, IsTheFirstOfTenEvaluationsInOneStepInARow) {
   EXPECT_EQ(stabilised_after(history), 300);  // the row of eight before the ninth point is too short
   history[15].evaluation.one_step_share = 0.0;
   EXPECT_EQ(stabilised_after(history), std::nullopt);
+}
+
+TEST(Trainer, LearnsNothingFromAStepThatTheBudgetDidNotPay) {
+  DesignEnvironment environment{load_problem_file("seed/fixed"), {}};
+  int left = 2;
+  environment.set_evaluate([&](const DesignProblem&, const Design&, Fidelity) -> std::optional<Evaluation> {
+    if (left-- == 0) return std::nullopt;
+    Evaluation evaluation;
+    evaluation.score = 1.0;
+    return evaluation;
+  });
+  const auto agent = make(environment);
+  TrainingOptions options = short_training(1);
+  options.batch = options.warm_up = 1;
+  Trainer trainer{*agent, environment, options, Rng{1}};
+  trainer.run();
+  EXPECT_EQ(trainer.steps(), 2);
+  EXPECT_EQ(trainer.updates(), 2);  // one per experience
 }
 
 }  // namespace
