@@ -84,12 +84,14 @@
 #include <modsearch/study/bootstrap.hpp>
 #include <modsearch/study/break_even.hpp>
 #include <modsearch/study/compute_cell.hpp>
+#include <modsearch/study/curves.hpp>
 #include <modsearch/study/distribution.hpp>
 #include <modsearch/study/environment_page.hpp>
 #include <modsearch/study/journal.hpp>
 #include <modsearch/study/page.hpp>
 #include <modsearch/study/profiles.hpp>
 #include <modsearch/study/records.hpp>
+#include <modsearch/study/report.hpp>
 #include <modsearch/study/run_study.hpp>
 #include <modsearch/study/runtimes.hpp>
 #include <modsearch/study/signed_rank.hpp>
@@ -97,4 +99,7 @@
 #include <modsearch/study/study.hpp>
 #include <modsearch/study/study_csv.hpp>
 #include <modsearch/study/study_file.hpp>
+#include <modsearch/study/study_runs.hpp>
+#include <modsearch/study/summary.hpp>
+#include <modsearch/study/targets.hpp>
 #include <modsearch/study/text_hash.hpp>

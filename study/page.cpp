@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <modsearch/study/html_internal.hpp>
 #include <modsearch/study/page.hpp>
 #include <modsearch/study/page_assets_internal.hpp>
 #include <nlohmann/json.hpp>
@@ -192,51 +193,6 @@ Json facts_json(const Page& page) {
   return out;
 }
 
-// JSON that cannot end the script element it stands in: '<', '>' and '&' occur in strings only, where the escape means
-// the same. What is not UTF-8 becomes the replacement character; what is not finite becomes null.
-std::string script_safe(const Json& json) {
-  std::string out;
-  for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace)) {
-    switch (c) {
-      case '<':
-        out += "\\u003c";
-        break;
-      case '>':
-        out += "\\u003e";
-        break;
-      case '&':
-        out += "\\u0026";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
-std::string html_safe(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '&':
-        out += "&amp;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
 std::string write_page(const Page& page) {
@@ -249,20 +205,7 @@ std::string write_page(const Page& page) {
                                                                  {"orbit_controls", page_assets::orbit_controls},
                                                                  {"script", page_assets::script}};
 
-  // One pass over the frame, so that nothing inside a part is taken for a place to fill.
-  std::string out;
-  std::string_view rest = page_assets::html;
-  for (;;) {
-    const std::size_t open = rest.find("{{");
-    out += rest.substr(0, open);
-    if (open == std::string_view::npos) return out;
-    const std::size_t close = rest.find("}}", open);
-    const std::string_view name = rest.substr(open + 2, close - open - 2);
-    const auto part = std::find_if(std::begin(parts), std::end(parts), [&](const auto& p) { return p.first == name; });
-    if (part == std::end(parts)) throw std::logic_error("page.html asks for an unknown part " + std::string(name));
-    out += part->second;
-    rest.remove_prefix(close + 2);
-  }
+  return fill_html(page_assets::html, parts);
 }
 
 }  // namespace modsearch

@@ -158,7 +158,7 @@ std::vector<BreakEven> break_evens(const Summary& summary, std::size_t target, M
 std::size_t telling_target(const Summary& summary) {
   const auto met = [&](std::size_t target, bool trained) {
     return std::any_of(summary.rows.begin(), summary.rows.end(), [&](const SummaryRow& row) {
-      return row.trained == trained && std::isfinite(row.evaluations[target]);
+      return row.trained == trained && row.success[target].value >= 0.5;
     });
   };
   for (std::size_t t = summary.targets.size(); t-- > 0;) {

@@ -65,8 +65,9 @@ struct Summary {
 /// runs that miss it: that is what "at equal quality" means here.
 [[nodiscard]] std::vector<BreakEven> break_evens(const Summary& summary, std::size_t target, Measure measure);
 
-/// The hardest target that some trained and some other solver meet, else the hardest that any solver meets: where a
-/// comparison of costs says most. 0 if nobody meets any.
+/// Where a comparison of costs says most: the hardest target that some trained and some other solver meet in at least
+/// half of their runs, else the hardest that any solver so meets; 0 if there is none. With fewer successes an expected
+/// runtime speaks of restarts that the same policy on the same task does not profit from.
 [[nodiscard]] std::size_t telling_target(const Summary& summary);
 
 }  // namespace modsearch

@@ -1,5 +1,6 @@
 #!/bin/sh
-# screenshot.sh WHAT PROGRAM FOLDER: screenshot.py, or exit 77 with the reason where the machine has not what it needs.
+# screenshot.sh WHAT PROGRAM FOLDER: screenshot.py, or report_screenshot.py for the report of a study; exit 77 with the
+# reason where the machine has not what they need.
 set -eu
 for program in chromium python3; do
   if ! command -v "$program" >/dev/null; then
@@ -7,4 +8,6 @@ for program in chromium python3; do
     exit 77
   fi
 done
-exec python3 "$(dirname "$0")/screenshot.py" "$@"
+script=screenshot.py
+if [ "$1" = report ]; then script=report_screenshot.py; fi
+exec python3 "$(dirname "$0")/$script" "$@"

@@ -68,12 +68,11 @@ TEST_F(SummaryTest, FindsWhereLearningPays) {
   EXPECT_EQ(points[1].tasks, 20'000.0 / (summary_.rows[1].evaluations[target] - use));
 }
 
-TEST_F(SummaryTest, ComparesCostsAtTheHardestTargetThatBothKindsMeet) {
-  const std::size_t target = telling_target(summary_);
-  EXPECT_TRUE(std::isfinite(summary_.rows[2].evaluations[target]));
-  for (std::size_t harder = target + 1; harder < summary_.targets.size(); ++harder) {
-    EXPECT_EQ(summary_.rows[2].evaluations[harder], INFINITY);
-  }
+TEST_F(SummaryTest, ComparesCostsAtTheHardestTargetThatBothKindsMeetInHalfOfTheirRuns) {
+  // The agent has about 3 % too much: within 5 % it is in most of its runs, within 2 % in few.
+  EXPECT_EQ(summary_.targets[telling_target(summary_)].name(), "mass within 5 %");
+  for (SummaryRow& row : summary_.rows) row.trained = false;
+  EXPECT_EQ(summary_.targets[telling_target(summary_)].name(), "mass within 0.1 %");
 }
 
 TEST_F(SummaryTest, IsAFunctionOfItsGenerator) {
