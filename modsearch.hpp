@@ -2,6 +2,7 @@
 
 // Everything of modsearch that an application may use, floor by floor.
 
+#include <modsearch/baselines/annealing.hpp>
 #include <modsearch/baselines/auto_solver.hpp>
 #include <modsearch/baselines/cat_cma.hpp>
 #include <modsearch/baselines/cma_es.hpp>

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <modsearch/baselines/annealing.hpp>
 #include <modsearch/baselines/auto_solver.hpp>
 #include <modsearch/baselines/cma_es.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
@@ -121,6 +122,28 @@ SolverEntry cma_es() {
       make_cma_es};
 }
 
+std::unique_ptr<Solver> make_annealing(const OptionValues& values) {
+  AnnealingOptions options;
+  options.cycle = integer(values, "cycle", options.cycle, 1, 1'000'000'000);
+  options.hot = number(values, "hot", options.hot);
+  options.cold = number(values, "cold", options.cold);
+  options.structure = number(values, "structure", options.structure);
+  options.penalty = number(values, "penalty", options.penalty);
+  return std::make_unique<SimulatedAnnealing>(options);
+}
+
+SolverEntry annealing() {
+  const AnnealingOptions defaults;
+  return {"anneal",
+          "simulated annealing: one design, changed module by module and length by length, cooled and heated again",
+          {{"cycle", std::to_string(defaults.cycle), "evaluations from hot to cold"},
+           {"hot", fmt::format("{}", defaults.hot), "first temperature, points of the score"},
+           {"cold", fmt::format("{}", defaults.cold), "last temperature, points of the score"},
+           {"structure", fmt::format("{}", defaults.structure), "share of proposals with another sequence"},
+           {"penalty", fmt::format("{}", defaults.penalty), "points for missing a goal by its whole distance, at first"}},
+          make_annealing};
+}
+
 std::vector<SolverEntry> make_entries() {
   const PerSequenceOptions defaults;
   std::vector<SolverEntry> entries;
@@ -139,6 +162,7 @@ std::vector<SolverEntry> make_entries() {
                      make_per_sequence});
   entries.push_back(genetic_algorithm());
   entries.push_back(cma_es());
+  entries.push_back(annealing());
   return entries;
 }
 

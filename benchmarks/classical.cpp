@@ -71,7 +71,7 @@ struct Arguments {
                                     "short:seed/random_wide",
                                     "short:seed/random_obstacles",
                                     "two:seed/random_wide"};
-  std::vector<std::string> solvers{"random", "per-sequence", "ga", "ga:polish=0"};
+  std::vector<std::string> solvers{"random", "per-sequence", "ga", "ga:polish=0", "cmaes", "anneal"};
   std::int64_t evaluations = 2000;
   std::size_t instances = 15;
   std::uint64_t seeds = 10;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <modsearch/baselines/annealing.hpp>
 #include <modsearch/baselines/auto_solver.hpp>
 #include <modsearch/baselines/cma_es.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
@@ -44,6 +45,7 @@ std::vector<std::unique_ptr<SteppedSolver>> stepped_solvers() {
   solvers.push_back(std::make_unique<GeneticAlgorithm>(GeneticOptions{.population = 10, .polish = 0}));
   solvers.push_back(std::make_unique<CmaEs>());
   solvers.push_back(std::make_unique<CmaEs>(CmaEsOptions{.space = CmaEsOptions::Space::kPadded}));
+  solvers.push_back(std::make_unique<SimulatedAnnealing>());
   return solvers;
 }
 
