@@ -177,6 +177,26 @@ TEST_F(Bounds, LetJointsAboutParallelAxesStandStillTogether) {
   EXPECT_GT(seen, 100);
 }
 
+TEST_F(Bounds, CountARowByHowFarItsBodyPointIsFromTheObstacle) {
+  // A hinge 1.2 m up, its distal part horizontal: a body point above the middle of the box, whose top is at 0.75 m.
+  // With y = 0 the bound is mass + mu (beta - n . x).
+  const Model model = Assembler{problem_}.model({1});
+  const double away = std::hypot(0.7, 0.6);
+  const std::vector<double> at{1.2, 1.0, std::atan2(0.7, -0.6), std::acos(0.0)};
+  const double tau = (away - 0.055) / (1.0 - 2.0 * 0.055);  // between the ends of the inner axis
+  const auto bound = [&](const Row& row) {
+    return lower_bound(problem_, model, {at, at}, {true, false, {Numbers{}}, {row}});
+  };
+  EXPECT_NEAR(bound({0, 1, tau, 3.0, 2, false, {}, 0.0, 4}), 2.2 + 3.0 * (0.75 + 0.055 - 1.2), 1e-9);
+  // A ball of 0.1 m about (0.7, 0.6, 0.6) within the box: mu (R^2 - |x - b|^2).
+  const Row ball{0, 1, tau, 3.0, 2, true, {0.7, 0.6, 0.6}, 0.1, 0};
+  EXPECT_NEAR(bound(ball), 2.2 + 3.0 * (0.155 * 0.155 - 0.6 * 0.6), 1e-9);
+  // Lowered into it, the row alone shows that nothing is achieved there: without the mass, the bound is positive.
+  const std::vector<double> low{0.7, 1.0, at[2], at[3]};
+  EXPECT_NEAR(lower_bound(problem_, model, {low, low}, {false, false, {Numbers{}}, {ball}}),
+              3.0 * (0.155 * 0.155 - 0.1 * 0.1), 1e-9);
+}
+
 TEST_F(Bounds, RefuseRowsThatDoNotHold) {
   const Model model = Assembler{problem_}.model({1});
   problem_.task.goals[0].position = {0.7, 0.6, 1.0};
