@@ -36,6 +36,7 @@
 #include <modsearch/problem/robot_problem.hpp>
 #include <modsearch/problem/row_sink.hpp>
 #include <modsearch/problem/scoring.hpp>
+#include <modsearch/problem/sequence_count.hpp>
 #include <modsearch/problem/smooth_program.hpp>
 #include <modsearch/problem/task.hpp>
 #include <modsearch/problem/task_program.hpp>

@@ -388,6 +388,13 @@ int ModuleLibrary::entry(const End& previous, int k) const {
   return -1;
 }
 
+std::optional<ModuleLibrary::Coupling> ModuleLibrary::coupling_after(const Coupling& free, int k) const {
+  const int e = entry({.mate = free.mate, .gender = free.gender}, k);
+  if (e < 0) return std::nullopt;
+  const End& end = ends_of(k)[static_cast<std::size_t>(1 - e)];
+  return Coupling{end.mate, end.gender};
+}
+
 std::optional<ModuleLibrary::End> ModuleLibrary::free_end(std::span<const int> types) const {
   End free = base_end_;
   for (const int k : types) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <modsearch/kinematics/chain.hpp>
 #include <optional>
 #include <span>
@@ -110,6 +111,18 @@ class ModuleLibrary {
   [[nodiscard]] std::optional<int> find(std::string_view id) const;
   /// Largest number of parameters of any type.
   [[nodiscard]] int max_parameters() const;
+
+  /// All that decides what may be attached to a free end: the number of the connector's (type, size), -1 where nothing
+  /// joins, and its gender.
+  struct Coupling {
+    int mate = -1;
+    Gender gender = Gender::kHermaphroditic;
+    friend auto operator<=>(const Coupling&, const Coupling&) = default;
+  };
+  /// The free end of the base alone.
+  [[nodiscard]] Coupling base_coupling() const { return {base_end_.mate, base_end_.gender}; }
+  /// The free end after a module of type `k` was joined to `free`; empty if it does not fit.
+  [[nodiscard]] std::optional<Coupling> coupling_after(const Coupling& free, int k) const;
 
   /// Types whose connectors fit the free end of base + `types`, in rising order.
   /// Throws std::invalid_argument if `types` do not fit in turn.
