@@ -29,6 +29,8 @@ Optimism DesignProblem::optimism(std::span<const int>) const { return {}; }
 
 Optimism DesignProblem::optimism_of_length(int) const { return {}; }
 
+Optimism DesignProblem::optimism_of_prefix(std::span<const int>, int n) const { return optimism_of_length(n); }
+
 std::vector<int> DesignProblem::do_successors(std::span<const int> types) const { return library().successors(types); }
 
 }  // namespace modsearch

@@ -80,6 +80,8 @@ class DesignProblem {
   [[nodiscard]] virtual Optimism optimism(std::span<const int> types) const;
   /// The same for all designs of exactly `n` modules (without the base) at once.
   [[nodiscard]] virtual Optimism optimism_of_length(int n) const;
+  /// The same for those of exactly `n` modules that begin with `types`; by default that of all of this length.
+  [[nodiscard]] virtual Optimism optimism_of_prefix(std::span<const int> types, int n) const;
 
  private:
   [[nodiscard]] virtual std::vector<int> do_successors(std::span<const int> types) const;

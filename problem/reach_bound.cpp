@@ -1,8 +1,8 @@
-#include <modsearch/problem/reach_bound.hpp>
-
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <modsearch/problem/reach_bound.hpp>
 
 namespace modsearch {
 namespace {
@@ -151,48 +151,50 @@ double position_slack(const PoseRegion& region) {
 }
 
 ReachBound reach_bound(std::span<const ModuleSpan* const> modules, double distance) {
+  return reach_bound(modules, {}, 0, distance);
+}
+
+ReachBound reach_bound(std::span<const ModuleSpan* const> modules, std::span<const ModuleSpan> types, int more,
+                       double distance) {
   ReachBound result;
   double length = 0.0;
-  std::vector<ModuleSpan::Stretch> stretches;
+  std::vector<ModuleSpan::Stretch> stretches;  // only those that lengthen: the others have no place in the order below
   for (const ModuleSpan* module : modules) {
     length += module->length;
     result.least_mass += module->mass;
     result.span += module->greatest_length();
-    stretches.insert(stretches.end(), module->stretches.begin(), module->stretches.end());
+    std::copy_if(module->stretches.begin(), module->stretches.end(), std::back_inserter(stretches),
+                 [](const ModuleSpan::Stretch& stretch) { return stretch.length_rate > 0.0; });
+  }
+  if (more > 0) {
+    // Each of those to come is taken as the lightest, the longest and the best to stretch at once.
+    double greatest_length = 0.0;
+    double greatest_start = 0.0;
+    double least_mass = types.empty() ? 0.0 : kInfinity;
+    double best_rate = 0.0;  // most length per kilogram of any stretch
+    for (const ModuleSpan& type : types) {
+      greatest_length = std::max(greatest_length, type.greatest_length());
+      greatest_start = std::max(greatest_start, type.length);
+      least_mass = std::min(least_mass, type.mass);
+      for (const ModuleSpan::Stretch& stretch : type.stretches) {
+        if (stretch.mass_rate > 0.0) best_rate = std::max(best_rate, stretch.length_rate / stretch.mass_rate);
+      }
+    }
+    length += more * greatest_start;
+    result.least_mass += more * least_mass;
+    result.span += more * greatest_length;
+    if (best_rate > 0.0) stretches.push_back({.length_rate = best_rate, .mass_rate = 1.0, .range = kInfinity});
   }
   result.possible = !(distance > result.span + kRounding);
-  std::sort(stretches.begin(), stretches.end(), [](const auto& a, const auto& b) {
-    return a.length_rate * b.mass_rate > b.length_rate * a.mass_rate;
-  });
+  std::sort(stretches.begin(), stretches.end(),
+            [](const auto& a, const auto& b) { return a.length_rate * b.mass_rate > b.length_rate * a.mass_rate; });
   double missing = distance - kRounding - length;
   for (const ModuleSpan::Stretch& stretch : stretches) {
-    if (missing <= 0.0 || stretch.length_rate <= 0.0) break;
+    if (missing <= 0.0) break;
     const double by = std::min(missing / stretch.length_rate, stretch.range);
     result.least_mass += by * stretch.mass_rate;
     missing -= by * stretch.length_rate;
   }
-  return result;
-}
-
-ReachBound reach_bound(const ModuleSpan& base, std::span<const ModuleSpan> types, int n, double distance) {
-  ReachBound result{.span = base.greatest_length(), .least_mass = base.mass};
-  double greatest_length = 0.0;
-  double greatest_start = 0.0;
-  double least_mass = types.empty() ? 0.0 : kInfinity;
-  double best_rate = 0.0;  // most length per kilogram of any stretch
-  for (const ModuleSpan& type : types) {
-    greatest_length = std::max(greatest_length, type.greatest_length());
-    greatest_start = std::max(greatest_start, type.length);
-    least_mass = std::min(least_mass, type.mass);
-    for (const ModuleSpan::Stretch& stretch : type.stretches) {
-      if (stretch.mass_rate > 0.0) best_rate = std::max(best_rate, stretch.length_rate / stretch.mass_rate);
-    }
-  }
-  result.span += n * greatest_length;
-  result.possible = !(distance > result.span + kRounding);
-  result.least_mass += n * least_mass;
-  const double missing = distance - kRounding - base.greatest_length() - n * greatest_start;
-  if (missing > 0.0 && best_rate > 0.0) result.least_mass += missing / best_rate;
   return result;
 }
 

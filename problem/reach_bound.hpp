@@ -41,7 +41,8 @@ struct ReachBound {
 /// are affine in them.
 [[nodiscard]] ReachBound reach_bound(std::span<const ModuleSpan* const> modules, double distance);
 
-/// Arms of `base` and any `n` of `types`: weaker, but covers all sequences of that length at once.
-[[nodiscard]] ReachBound reach_bound(const ModuleSpan& base, std::span<const ModuleSpan> types, int n, double distance);
+/// Arms of these modules and any `more` of `types`: weaker, but covers all continuations of that length at once.
+[[nodiscard]] ReachBound reach_bound(std::span<const ModuleSpan* const> modules, std::span<const ModuleSpan> types,
+                                     int more, double distance);
 
 }  // namespace modsearch

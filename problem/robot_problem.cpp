@@ -140,21 +140,22 @@ double RobotProblem::farthest_goal() const {
 
 Optimism RobotProblem::optimism(std::span<const int> types) const {
   if (!library().complete(types)) return {kProvedImpossible, "the design does not end in an end effector"};
-  std::vector<const ModuleSpan*> modules{&spec_.chains->base_span()};
-  double cost = modules.back()->cost;
-  for (const int k : types) {
-    modules.push_back(&spec_.chains->type_spans()[static_cast<std::size_t>(k)]);
-    cost += modules.back()->cost;
-  }
-  return judged(reach_bound(modules, farthest_goal()), static_cast<int>(types.size()), cost);
+  return optimism_of_prefix(types, static_cast<int>(types.size()));
 }
 
-Optimism RobotProblem::optimism_of_length(int n) const {
-  const ModuleSpan& base = spec_.chains->base_span();
-  const std::vector<ModuleSpan>& types = spec_.chains->type_spans();
-  double least_cost = types.empty() ? 0.0 : kInfinity;
-  for (const ModuleSpan& type : types) least_cost = std::min(least_cost, type.cost);
-  return judged(reach_bound(base, types, n, farthest_goal()), n, base.cost + n * least_cost);
+Optimism RobotProblem::optimism_of_length(int n) const { return optimism_of_prefix({}, n); }
+
+Optimism RobotProblem::optimism_of_prefix(std::span<const int> types, int n) const {
+  const std::vector<ModuleSpan>& all = spec_.chains->type_spans();
+  std::vector<const ModuleSpan*> modules{&spec_.chains->base_span()};
+  for (const int k : types) modules.push_back(&all[static_cast<std::size_t>(k)]);
+  double cost = 0.0;
+  for (const ModuleSpan* module : modules) cost += module->cost;
+  const int more = n - static_cast<int>(types.size());
+  if (more > 0 && !all.empty()) {
+    cost += more * std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; })->cost;
+  }
+  return judged(reach_bound(modules, all, more, farthest_goal()), n, cost);
 }
 
 Optimism RobotProblem::judged(const ReachBound& bound, int n, double least_cost) const {

@@ -45,6 +45,7 @@ class RobotProblem final : public DesignProblem {
                                                      const Relaxation& relaxation = {}) const override;
   [[nodiscard]] Optimism optimism(std::span<const int> types) const override;
   [[nodiscard]] Optimism optimism_of_length(int n) const override;
+  [[nodiscard]] Optimism optimism_of_prefix(std::span<const int> types, int n) const override;
 
   [[nodiscard]] const RobotProblemSpec& spec() const { return spec_; }
   [[nodiscard]] const Task& task() const { return *spec_.task; }
