@@ -6,12 +6,17 @@
 #include <modsearch/baselines/auto_solver.hpp>
 #include <modsearch/baselines/cat_cma.hpp>
 #include <modsearch/baselines/cma_es.hpp>
+#include <modsearch/baselines/eliminate.hpp>
+#include <modsearch/baselines/enumerate.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/lexicographic.hpp>
 #include <modsearch/baselines/memetic_polish.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/baselines/random_search.hpp>
+#include <modsearch/baselines/sequence_frontier.hpp>
+#include <modsearch/baselines/sequence_optimum.hpp>
 #include <modsearch/baselines/staged.hpp>
+#include <modsearch/baselines/tree_search.hpp>
 #include <modsearch/kinematics/affine.hpp>
 #include <modsearch/kinematics/arm.hpp>
 #include <modsearch/kinematics/bounding_capsule.hpp>

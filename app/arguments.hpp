@@ -25,6 +25,8 @@ struct SolveArguments {
   std::optional<double> seconds;
   std::uint64_t seed = 0;
   bool at_path_level = false;
+  std::optional<std::filesystem::path> checkpoint;
+  bool resume = false;
   std::optional<std::filesystem::path> out;
 };
 

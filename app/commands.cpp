@@ -7,6 +7,7 @@
 #include <exception>
 #include <limits>
 #include <modsearch/rl/settings.hpp>
+#include <modsearch/solvers/checkpoint.hpp>
 #include <modsearch/solvers/verification.hpp>
 #include <modsearch/study/solution_page.hpp>
 #include <modsearch/study/study_file.hpp>
@@ -63,6 +64,19 @@ std::string why_not(const Verification& verification) {
   return verification.findings.empty() ? std::string{} : verification.findings.front();
 }
 
+// Runs the solver, with checkpoints where they are asked for.
+Solution search(const ChosenSolver& chosen, const SolveArguments& arguments, const DesignProblem& problem,
+                Meter& meter) {
+  const Rng rng{arguments.seed};
+  if (!arguments.checkpoint) return chosen.solver->solve(problem, meter, rng);
+  const auto* stepped = dynamic_cast<const SteppedSolver*>(chosen.solver.get());
+  if (stepped == nullptr) {
+    throw std::invalid_argument(
+        fmt::format("--checkpoint: the searches of solver '{}' cannot be kept in a file", chosen.name));
+  }
+  return modsearch::solve(*stepped, problem, meter, rng, {.file = *arguments.checkpoint, .resume = arguments.resume});
+}
+
 }  // namespace
 
 Status solve(const SolveArguments& arguments, const CommonArguments& common, std::stop_token stop) {
@@ -74,7 +88,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
 
   ProgressDisplay display{arguments.solver, common.quiet};
   Meter meter{budget_of(arguments), [&](const Meter& m) { display.update(m); }, stop};
-  Solution solution = chosen.solver->solve(*problem, meter, Rng{arguments.seed});
+  Solution solution = search(chosen, arguments, *problem, meter);
   display.finish();
   const bool evaluated = meter.best().has_value();
   if (!evaluated) solution.evaluation.attempt.goal_error = std::numeric_limits<double>::infinity();  // not known
@@ -113,6 +127,10 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   json["seconds"] = solution.spent.seconds;
   json["stop"] = name(solution.stop);
   json["reason"] = solution.reason;
+  if (solution.bound && std::isfinite(solution.bound->score)) {
+    json["bound"] = {{"score", solution.bound->score}, {"reason", solution.bound->reason}};
+  }
+  for (const Tally& tally : solution.tallies) json["tallies"][tally.what] = tally.count;
   if (record.target) json["target"] = {record.target->x(), record.target->y(), record.target->z()};
 
   std::vector<std::string> written;

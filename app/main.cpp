@@ -101,6 +101,9 @@ void describe(CLI::App& app, Arguments& a) {
           "--fidelity", [&](const std::string&) { a.solve.at_path_level = true; },
           "path: ask for a collision-free path, whatever the problem's own level")
       ->check(CLI::IsMember({"path"}));
+  CLI::Option* checkpoint =
+      solve.add_option("--checkpoint", a.solve.checkpoint, "FILE in which the search is kept while it runs");
+  solve.add_flag("--resume", a.solve.resume, "go on from the checkpoint, if there is one")->needs(checkpoint);
   solve.add_option("--out", a.solve.out, "folder for solution.json, trace.csv and view.html");
   add_common(solve, a.common, "modsearch solve seed/fixed --solver per-sequence:inner=ipopt --out out/");
 

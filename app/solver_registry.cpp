@@ -8,9 +8,12 @@
 #include <modsearch/baselines/annealing.hpp>
 #include <modsearch/baselines/auto_solver.hpp>
 #include <modsearch/baselines/cma_es.hpp>
+#include <modsearch/baselines/eliminate.hpp>
+#include <modsearch/baselines/enumerate.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/baselines/random_search.hpp>
+#include <modsearch/baselines/tree_search.hpp>
 #include <modsearch/rl/saved_policy.hpp>
 #include <stdexcept>
 
@@ -144,13 +147,71 @@ SolverEntry annealing() {
           make_annealing};
 }
 
+std::unique_ptr<Solver> make_enumerate(const OptionValues& values) {
+  EnumerateOptions options;
+  options.continuous.starts = integer(values, "starts", options.continuous.starts, 1, 100'000);
+  options.samples = integer(values, "samples", options.samples, 1, 1'000'000);
+  return std::make_unique<Enumerate>(options);
+}
+
+SolverEntry enumeration() {
+  const EnumerateOptions defaults;
+  return {
+      "enumerate",
+      "best-first over type sequences with an admissible bound; proves the optimum where modules have no parameters",
+      {{"starts", std::to_string(defaults.continuous.starts), "low-discrepancy starts per sequence"},
+       {"samples", std::to_string(defaults.samples),
+        "random designs of a sequence that has parameters and no smooth program"}},
+      make_enumerate};
+}
+
+SolverEntry elimination() {
+  const EliminateOptions defaults;
+  return {
+      "eliminate",
+      "hierarchical elimination: connectors, reach, score, poses, bodies, path, and how many each stage removes",
+      {{"grid", std::to_string(defaults.grid), "values that each parameter takes, from its lower to its upper end"}},
+      [](const OptionValues& values) {
+        return std::make_unique<Eliminate>(
+            EliminateOptions{.grid = integer(values, "grid", EliminateOptions{}.grid, 1, 1000)});
+      }};
+}
+
+std::unique_ptr<Solver> make_tree_search(const OptionValues& values) {
+  TreeSearchOptions options;
+  options.exploration = number(values, "exploration", options.exploration);
+  options.width = number(values, "width", options.width);
+  options.growth = number(values, "growth", options.growth);
+  options.uniform = number(values, "uniform", options.uniform);
+  options.rollout = integer(values, "rollout", options.rollout ? 1 : 0, 0, 1) != 0;
+  options.polish = integer(values, "polish", options.polish, 0, 1'000'000);
+  options.inner = inner_solver(values, options.inner);
+  return std::make_unique<TreeSearch>(options);
+}
+
+SolverEntry tree_search() {
+  const TreeSearchOptions defaults;
+  return {
+      "mcts",
+      "Monte-Carlo tree search that grows designs module by module, lengths by Voronoi optimistic optimisation",
+      {{"exploration", fmt::format("{}", defaults.exploration), "c of UCT, for values in [0, 1]"},
+       {"width", fmt::format("{}", defaults.width), "lengths tried of a type chosen n times: width n^growth"},
+       {"growth", fmt::format("{}", defaults.growth), "see width"},
+       {"uniform", fmt::format("{}", defaults.uniform), "share of new lengths from the whole box"},
+       {"rollout", defaults.rollout ? "1" : "0", "1: continue new designs at random"},
+       {"polish", std::to_string(defaults.polish), "most steps of the smooth program on the best of a type; 0: none"},
+       {"inner", std::string{name(defaults.inner)}, inner_names()}},
+      make_tree_search};
+}
+
 std::vector<SolverEntry> make_entries() {
   const PerSequenceOptions defaults;
   std::vector<SolverEntry> entries;
-  entries.push_back({"auto",
-                     "the default: bounds first, then per-sequence optimisation with the fastest inner method",
-                     {},
-                     [](const OptionValues&) { return std::make_unique<AutoSolver>(); }});
+  entries.push_back(
+      {"auto",
+       "the default: bounds first, then what suits the problem: eliminate, per-sequence or ga; says what is proved",
+       {},
+       [](const OptionValues&) { return std::make_unique<AutoSolver>(); }});
   entries.push_back(
       {"random", "uniform over number of modules, types and parameters: the bar to clear", {}, [](const OptionValues&) {
          return std::make_unique<RandomSearch>();
@@ -160,6 +221,9 @@ std::vector<SolverEntry> make_entries() {
                      {{"inner", std::string{name(defaults.inner)}, inner_names()},
                       {"starts", std::to_string(defaults.starts), "low-discrepancy starts per sequence"}},
                      make_per_sequence});
+  entries.push_back(enumeration());
+  entries.push_back(elimination());
+  entries.push_back(tree_search());
   entries.push_back(genetic_algorithm());
   entries.push_back(cma_es());
   entries.push_back(annealing());

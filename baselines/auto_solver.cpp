@@ -1,8 +1,13 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/eliminate.hpp>
+#include <modsearch/baselines/genetic_algorithm.hpp>
+#include <modsearch/baselines/lexicographic.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
-#include <modsearch/baselines/random_search.hpp>
+#include <modsearch/problem/sequence_count.hpp>
+#include <utility>
 
 namespace modsearch {
 namespace {
@@ -11,25 +16,105 @@ namespace {
 bool has_smooth_programs(const DesignProblem& problem) {
   for (const int k : problem.successors({})) {
     const int types[] = {k};
-    if (problem.relax(types)) return true;
+    try {
+      if (problem.relax(types)) return true;
+    } catch (const std::exception&) {
+      // One that fails may have sound neighbours.
+    }
   }
   return false;
 }
 
-SearchEnd end_of(const std::string& method, Solution&& solution) {
-  return {solution.stop, solution.reason.empty() ? method : fmt::format("{}: {}", method, solution.reason),
-          std::move(solution.bound)};
+double n_sequences(const DesignProblem& problem) {
+  double sum = 0.0;
+  for (int n = 1; n < problem.max_modules(); ++n) sum += count_sequences(problem.library(), n).complete;
+  return sum;
 }
+
+// Some thousand sequences take a second, so that these fit into the half minute that `modsearch solve` takes at most.
+constexpr double kMany = 100'000.0;
+// Of too many sequences, the first are worth a look: steps of the search through them, a second or so.
+constexpr std::int64_t kFirstSteps = 2'000;
+
+class AutoSearch final : public Search {
+ public:
+  AutoSearch(const DesignProblem& problem, Rng rng) : problem_{problem}, rng_{rng} {
+    const bool discrete = problem.library().max_parameters() == 0;
+    if (discrete) {
+      first_ = std::make_unique<Eliminate>();
+    } else if (has_smooth_programs(problem)) {
+      first_ = std::make_unique<PerSequence>();
+    }
+    n_sequences_ = n_sequences(problem);
+    enter(first_ ? Phase::kSequences : Phase::kEvolution);
+  }
+
+  std::optional<SearchEnd> step(Meter& meter) override {
+    std::optional<SearchEnd> end = search_->step(meter);
+    ++steps_;
+    if (end) return told(std::move(*end), meter);
+    if (phase_ == Phase::kSequences && n_sequences_ > kMany && steps_ >= kFirstSteps) enter(Phase::kEvolution);
+    return std::nullopt;
+  }
+
+  void save(Archive& archive) const override {
+    archive.put_integer("auto/phase", static_cast<std::int64_t>(phase_));
+    archive.put_integer("auto/steps", steps_);
+    search_->save(archive);
+  }
+  void restore(const Archive& archive) override {
+    const std::int64_t phase = archive.integer("auto/phase");
+    if (phase != static_cast<std::int64_t>(phase_)) enter(Phase::kEvolution);
+    steps_ = archive.integer("auto/steps");
+    search_->restore(archive);
+  }
+
+ private:
+  enum class Phase { kSequences, kEvolution };
+
+  void enter(Phase phase) {
+    phase_ = phase;
+    const SteppedSolver& method = phase == Phase::kSequences ? *first_ : static_cast<const SteppedSolver&>(evolution_);
+    search_ = method.start(problem_, rng_);
+  }
+
+  // The end of the method in one line: what was done, how it ended, what is proved.
+  [[nodiscard]] SearchEnd told(SearchEnd end, const Meter& meter) const {
+    std::string did;
+    if (phase_ == Phase::kSequences) {
+      did = first_->name();
+    } else if (first_) {
+      did = fmt::format("{} of {:.4g} type sequences, then {}", first_->name(), n_sequences_, evolution_.name());
+    } else {
+      did = evolution_.name();
+    }
+    if (!end.reason.empty()) did += ": " + end.reason;
+    const double best = score_to_beat(meter);
+    if (end.stop == StopReason::kOptimal) {
+      did += "; proved optimal";
+    } else if (end.stop == StopReason::kUnreachable) {
+      did += "; proved unreachable";
+    } else if (end.bound && std::isfinite(end.bound->score) && std::isfinite(best)) {
+      did += fmt::format("; proved: none scores above {:.6g}", end.bound->score);
+    }
+    end.reason = std::move(did);
+    return end;
+  }
+
+  const DesignProblem& problem_;
+  Rng rng_;
+  std::unique_ptr<SteppedSolver> first_;  // null: nothing can be done with single sequences
+  GeneticAlgorithm evolution_;
+  double n_sequences_ = 0.0;
+  Phase phase_ = Phase::kSequences;
+  std::int64_t steps_ = 0;
+  std::unique_ptr<Search> search_;
+};
 
 }  // namespace
 
-SearchEnd AutoSolver::do_solve(const DesignProblem& problem, Meter& meter, Rng rng) const {
-  if (has_smooth_programs(problem)) {
-    const PerSequence method{};
-    return end_of(method.name(), method.solve(problem, meter, rng));
-  }
-  const RandomSearch method{};
-  return end_of(method.name(), method.solve(problem, meter, rng));
+std::unique_ptr<Search> AutoSolver::start(const DesignProblem& problem, Rng rng) const {
+  return std::make_unique<AutoSearch>(problem, rng);
 }
 
 }  // namespace modsearch

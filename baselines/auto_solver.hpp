@@ -1,17 +1,20 @@
 #pragma once
 
-#include <modsearch/solvers/solver.hpp>
+#include <modsearch/solvers/search.hpp>
 
 namespace modsearch {
 
-/// The default: bounds first, then per-sequence optimisation with the fastest inner method on the surviving sequences;
-/// random search where the problem has no smooth program. Says in one line what it did and what is proved.
-class AutoSolver final : public Solver {
+/// The default: chooses by the problem and says in one line what it did and what is proved.
+///
+/// Bounds come first in all of it: what no design can reach is said at once, and type sequences are taken in falling
+/// order of the score that is possible. Modules without parameters: `eliminate`, which proves its answer. Modules with
+/// parameters and a smooth program: `per-sequence` with the fastest inner method. Where there are more type sequences
+/// than can be gone through, the first of these are, and then evolution (`ga`) goes on; so it does from the beginning
+/// where there is no smooth program.
+class AutoSolver final : public SteppedSolver {
  public:
   [[nodiscard]] std::string name() const override { return "auto"; }
-
- private:
-  [[nodiscard]] SearchEnd do_solve(const DesignProblem& problem, Meter& meter, Rng rng) const override;
+  [[nodiscard]] std::unique_ptr<Search> start(const DesignProblem& problem, Rng rng) const override;
 };
 
 }  // namespace modsearch

@@ -1,34 +1,25 @@
 #pragma once
 
-#include <modsearch/solvers/inner_solver.hpp>
-#include <modsearch/solvers/solver.hpp>
+#include <modsearch/baselines/sequence_optimum.hpp>
+#include <modsearch/solvers/search.hpp>
 
 namespace modsearch {
-
-struct PerSequenceOptions {
-  Inner inner = Inner::kOwn;  ///< method for the smooth program of each sequence: the fastest
-  /// Low-discrepancy starts per sequence. Eight: local methods solve 60-95 % of single starts on chains of up to five
-  /// joints, so eight miss a sequence in less than one case in a thousand.
-  int starts = 8;
-  InnerOptions inner_options{};
-};
 
 /// Per-sequence continuous optimisation: type sequences in order of an optimistic bound (modules, mass by reach), each
 /// solved as a smooth program from several starts, until no remaining sequence can beat the best.
 ///
-/// The program is a relaxation (it ignores which posture the score looks at), so every optimum is evaluated for real; where
-/// it is in collision after all, the program is solved again with a larger clearance. Sequences are exact, starts are
-/// not: nothing is proved about the best of a sequence.
-class PerSequence final : public Solver {
+/// The program is a relaxation (it ignores which posture the score looks at), so every optimum is evaluated for real;
+/// where it is in collision after all, the program is solved again with a larger clearance. Sequences are exact, starts
+/// are not: of the best of a sequence nothing is proved but its bound.
+class PerSequence final : public SteppedSolver {
  public:
+  /// Throws std::invalid_argument for less than one start.
   explicit PerSequence(PerSequenceOptions options = {});
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] const PerSequenceOptions& options() const { return options_; }
+  [[nodiscard]] std::unique_ptr<Search> start(const DesignProblem& problem, Rng rng) const override;
 
  private:
-  [[nodiscard]] SearchEnd do_solve(const DesignProblem& problem, Meter& meter, Rng rng) const override;
-  void solve_sequence(const DesignProblem& problem, std::span<const int> types, Meter& meter, Rng rng) const;
-
   PerSequenceOptions options_;
 };
 

@@ -23,6 +23,11 @@ Evaluation DesignProblem::evaluate(const Design& design, Fidelity fidelity) cons
   }
 }
 
+std::vector<Fidelity> DesignProblem::stages() const {
+  if (staged()) return {Fidelity::kScreen, Fidelity::kFull};
+  return {Fidelity::kFull};
+}
+
 std::unique_ptr<SmoothProgram> DesignProblem::relax(std::span<const int>, const Relaxation&) const { return nullptr; }
 
 Optimism DesignProblem::optimism(std::span<const int>) const { return {}; }

@@ -26,6 +26,7 @@ struct Evaluation {
 };
 
 enum class Fidelity {
+  kPoses,   ///< leaves out whatever collides: the goals' poses alone; an upper bound on the screen's score
   kScreen,  ///< leaves out the path and nothing else: an upper bound on the full score
   kFull,
 };
@@ -65,6 +66,9 @@ class DesignProblem {
   /// Whether Fidelity::kScreen leaves something out: a screened evaluation is then no answer, only a reason to look
   /// closer.
   [[nodiscard]] virtual bool staged() const { return false; }
+  /// Fidelities from cheap to dear, each of which asks for more than the one before; the last is kFull. For searches
+  /// that spend most on the few designs that pass the cheap ones.
+  [[nodiscard]] virtual std::vector<Fidelity> stages() const;
   /// The instance as an agent sees it: numbers of a length that is fixed for a family of instances.
   [[nodiscard]] virtual Eigen::VectorXd context() const = 0;
 

@@ -18,7 +18,7 @@ struct ModuleSpan {
   double length = 0.0;  ///< stretched out, parameters at their lower ends [m]
   double mass = 0.0;    ///< least mass within the box, but for the stretches counted in `stretches` [kg]
   double cost = 0.0;
-  std::vector<Stretch> stretches;
+  std::vector<Stretch> stretches{};
 
   [[nodiscard]] double greatest_length() const;
 };

@@ -1,13 +1,12 @@
-#include <modsearch/problem/robot_problem.hpp>
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <modsearch/problem/robot_problem.hpp>
+#include <modsearch/problem/task_program.hpp>
 #include <mutex>
 #include <shared_mutex>
-#include <modsearch/problem/task_program.hpp>
 #include <stdexcept>
 
 namespace modsearch {
@@ -77,6 +76,21 @@ RobotProblem RobotProblem::with_level(Level level) const {
   return RobotProblem{std::move(spec)};
 }
 
+std::vector<Fidelity> RobotProblem::stages() const {
+  switch (spec_.level) {
+    case Level::kNone:
+      return {Fidelity::kFull};
+    case Level::kPosture:
+      if (scene().obstacles().empty()) return {Fidelity::kFull};
+      return {Fidelity::kPoses, Fidelity::kFull};
+    case Level::kPostureSelf:
+      return {Fidelity::kPoses, Fidelity::kFull};
+    case Level::kPath:
+      return {Fidelity::kPoses, Fidelity::kScreen, Fidelity::kFull};
+  }
+  return {Fidelity::kFull};
+}
+
 Eigen::VectorXd RobotProblem::context() const {
   // Per obstacle shape: centre and radius of its bounding ball, in the scale of the goals' features.
   constexpr double kScale = 0.5;
@@ -101,9 +115,10 @@ Evaluation RobotProblem::do_evaluate(const Design& design, Fidelity fidelity) co
   const Chain& chain_of_types = chain(types);
   const Arm arm = chain_of_types.at(design.parameters());
 
-  AttemptOptions options{.level = spec_.level, .ik = spec_.ik, .planner = spec_.planner,
-                         .p_WB = spec_.X_WB.translation()};
+  AttemptOptions options{
+      .level = spec_.level, .ik = spec_.ik, .planner = spec_.planner, .p_WB = spec_.X_WB.translation()};
   if (fidelity == Fidelity::kScreen && options.level == Level::kPath) options.level = Level::kPostureSelf;
+  if (fidelity == Fidelity::kPoses) options.level = Level::kNone;
 
   Evaluation evaluation;
   evaluation.attempt = task().attempt(arm, scene(), options);
@@ -153,16 +168,18 @@ Optimism RobotProblem::optimism_of_prefix(std::span<const int> types, int n) con
   for (const ModuleSpan* module : modules) cost += module->cost;
   const int more = n - static_cast<int>(types.size());
   if (more > 0 && !all.empty()) {
-    cost += more * std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; })->cost;
+    cost += more * std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
+                     return a.cost < b.cost;
+                   })->cost;
   }
   return judged(reach_bound(modules, all, more, farthest_goal()), n, cost);
 }
 
 Optimism RobotProblem::judged(const ReachBound& bound, int n, double least_cost) const {
   if (bound.possible) return {spec_.scoring->bound(n + 1, bound.least_mass, least_cost), ""};
-  return {kProvedImpossible, fmt::format("a goal is {:.4g} m away from the base, and {} reach at most {:.4g} m",
-                                         farthest_goal(), n == 1 ? "1 module" : fmt::format("{} modules", n),
-                                         bound.span)};
+  return {kProvedImpossible,
+          fmt::format("a goal is {:.4g} m away from the base, and {} reach at most {:.4g} m", farthest_goal(),
+                      n == 1 ? "1 module" : fmt::format("{} modules", n), bound.span)};
 }
 
 }  // namespace modsearch

@@ -40,6 +40,7 @@ class RobotProblem final : public DesignProblem {
   [[nodiscard]] const ModuleLibrary& library() const override { return *spec_.library; }
   [[nodiscard]] int max_modules() const override { return spec_.max_modules; }
   [[nodiscard]] bool staged() const override { return spec_.level == Level::kPath; }
+  [[nodiscard]] std::vector<Fidelity> stages() const override;
   [[nodiscard]] Eigen::VectorXd context() const override;
   [[nodiscard]] std::unique_ptr<SmoothProgram> relax(std::span<const int> types,
                                                      const Relaxation& relaxation = {}) const override;

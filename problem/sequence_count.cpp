@@ -2,6 +2,7 @@
 
 #include <map>
 #include <modsearch/problem/sequence_count.hpp>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -91,21 +92,41 @@ SequenceCount counted(const ModuleLibrary& library, const Pattern& pattern, cons
 
 SequenceCount count_sequences(const ModuleLibrary& library, int n) {
   if (n < 0) throw std::invalid_argument(fmt::format("count_sequences: {} modules, at least 0 are possible", n));
-  SequenceCount count{.all = 1.0};
-  std::map<Coupling, double> ways{{library.base_coupling(), 1.0}};
-  count.fitting = 1.0;
-  count.complete = library.complete({}) ? 1.0 : 0.0;
-  for (int i = 0; i < n; ++i) {
+  const std::vector<double> ones(static_cast<std::size_t>(library.n_types()), 1.0);
+  return count_designs(library, {}, n, ones);
+}
+
+SequenceCount count_designs(const ModuleLibrary& library, std::span<const int> prefix, int n,
+                            std::span<const double> weights) {
+  const int n_types = library.n_types();
+  const int given = static_cast<int>(prefix.size());
+  if (n < given || static_cast<int>(weights.size()) != n_types) {
+    throw std::invalid_argument(fmt::format("count_designs: {} modules that begin with {}, {} weights for {} types", n,
+                                            given, weights.size(), n_types));
+  }
+  Coupling free = library.base_coupling();
+  double one = 1.0;
+  for (const int k : prefix) {
+    const std::optional<Coupling> next = library.coupling_after(free, k);
+    if (!next) throw std::invalid_argument("count_designs: the modules of the prefix do not fit together");
+    free = *next;
+    one *= weights[static_cast<std::size_t>(k)];
+  }
+  SequenceCount count{.all = one, .fitting = one, .complete = library.complete(prefix) ? one : 0.0};
+  const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+  std::map<Coupling, double> ways{{free, one}};
+  for (int i = given; i < n; ++i) {
     std::map<Coupling, double> longer;
-    count.all *= library.n_types();
-    count.fitting = count.complete = 0.0;
+    count = {.all = count.all * total};
     for (const auto& [coupling, before] : ways) {
-      for (int k = 0; k < library.n_types(); ++k) {
-        const std::optional<Coupling> free = library.coupling_after(coupling, k);
-        if (!free) continue;
-        longer[*free] += before;
-        count.fitting += before;
-        if (library.complete(std::span{&k, 1})) count.complete += before;
+      for (int k = 0; k < n_types; ++k) {
+        const std::optional<Coupling> next = library.coupling_after(coupling, k);
+        if (!next) continue;
+        const double designs = before * weights[static_cast<std::size_t>(k)];
+        longer[*next] += designs;
+        count.fitting += designs;
+        // Whether a design is complete can be seen from its last module.
+        if (library.complete(std::span{&k, 1})) count.complete += designs;
       }
     }
     ways = std::move(longer);

@@ -24,6 +24,12 @@ struct PatternPart {
 /// Throws std::invalid_argument if n < 0.
 [[nodiscard]] SequenceCount count_sequences(const ModuleLibrary& library, int n);
 
+/// Counts designs instead where type k stands for `weights[k]` of them, and only those that begin with `prefix`.
+/// Throws std::invalid_argument if n is less than the prefix has, there is not one weight per type, or the prefix does
+/// not fit together.
+[[nodiscard]] SequenceCount count_designs(const ModuleLibrary& library, std::span<const int> prefix, int n,
+                                          std::span<const double> weights);
+
 /// Counts the type sequences that match `pattern`, part after part: {{kJoint}, {kLink, 0, 3}, {kJoint}} are two joints
 /// with up to three links between them. A sequence that matches in several ways counts once.
 /// Throws std::invalid_argument for a part that is not 0 <= least <= most <= 64.

@@ -136,7 +136,8 @@ void Meter::restore(const Archive& archive, const DesignProblem& problem) {
   if (!archive.has("meter/best/lengths")) return;
   const std::vector<Design> best = restored_designs(archive, "meter/best", problem.library());
   if (best.size() != 1) archive.fail("meter/best", "does not hold one design");
-  best_ = Incumbent{best.front(), problem.evaluate(best.front())};
+  std::optional<std::string> failure;  // counted when it was evaluated first
+  best_ = Incumbent{best.front(), evaluated(problem, best.front(), Fidelity::kFull, failure)};
 }
 
 double Meter::elapsed() const {

@@ -15,6 +15,7 @@ Solution Solver::solve(const DesignProblem& problem, Meter& meter, Rng rng) cons
   solution.stop = proved ? end.stop : meter.stopped().value_or(end.stop);
   solution.reason = std::move(end.reason);
   solution.bound = std::move(end.bound);
+  solution.tallies = std::move(end.tallies);
   return solution;
 }
 

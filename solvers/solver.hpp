@@ -12,11 +12,18 @@ struct Bound {
   std::string reason;
 };
 
+/// Something that a search has counted.
+struct Tally {
+  std::string what;
+  double count = 0.0;  ///< whole; exact up to 2^53
+};
+
 /// Why a search ended, and what there is to say about it.
 struct SearchEnd {
   StopReason stop = StopReason::kExhausted;
   std::string reason;  ///< in words, where there is something to say: what is proved, what was not found
-  std::optional<Bound> bound;
+  std::optional<Bound> bound{};
+  std::vector<Tally> tallies{};  ///< what the search counted, in its own order; most count nothing
 };
 
 /// What a solver gives back.
@@ -27,6 +34,7 @@ struct Solution {
   StopReason stop = StopReason::kExhausted;
   std::string reason;  ///< see SearchEnd
   std::optional<Bound> bound;
+  std::vector<Tally> tallies;
 };
 
 /// Finds good designs for a problem. Stateless: options are given at construction, randomness comes from `rng`, what is

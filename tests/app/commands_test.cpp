@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <modsearch/baselines/random_search.hpp>
+#include <modsearch/problem/files.hpp>
+#include <modsearch/solvers/checkpoint.hpp>
 #include <nlohmann/json.hpp>
 #include <tuple>
 
@@ -94,6 +97,26 @@ TEST(Solve, GivesTheSameAnswerTwice) {
     return result;
   };
   EXPECT_EQ(answer(), answer());
+}
+
+TEST(Solve, GoesOnFromItsCheckpointToTheSameAnswer) {
+  const TemporaryFolder folder;
+  const auto solve = [&](const std::string& evaluations, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"solve", "seed/random_obstacles", "--solver", "random", "--evaluations", evaluations,
+                                   "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    json answer = json::parse(modsearch(words, folder).out);
+    answer.erase("seconds");
+    return answer;
+  };
+  const std::string file = folder / "search.bin";
+  Meter meter{{.evaluations = 500}};
+  (void)::modsearch::solve(RandomSearch{}, *load_problem("seed/random_obstacles"), meter, Rng{0},
+                           {.file = file, .period = 0.0});
+  EXPECT_EQ(solve("1000", {"--checkpoint", file, "--resume"}), solve("1000", {}));
+  const Outcome nowhere = modsearch({"solve", "seed/fixed", "--resume"}, folder);
+  EXPECT_EQ(nowhere.status, 2);
+  EXPECT_THAT(nowhere.err, HasSubstr("--checkpoint"));
 }
 
 TEST(Solve, EndsWithOneAndTheReasonForATargetBeyondEveryReach) {

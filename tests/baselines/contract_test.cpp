@@ -1,11 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <modsearch/baselines/annealing.hpp>
+#include <chrono>
 #include <modsearch/baselines/auto_solver.hpp>
 #include <modsearch/baselines/cma_es.hpp>
+#include <modsearch/baselines/eliminate.hpp>
+#include <modsearch/baselines/enumerate.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
+#include <modsearch/baselines/tree_search.hpp>
 #include <modsearch/problem/files.hpp>
+#include <thread>
 
 #include "contracts/problem_contract.hpp"
 #include "problem/temporary_folder.hpp"
@@ -46,6 +51,12 @@ std::vector<std::unique_ptr<SteppedSolver>> stepped_solvers() {
   solvers.push_back(std::make_unique<CmaEs>());
   solvers.push_back(std::make_unique<CmaEs>(CmaEsOptions{.space = CmaEsOptions::Space::kPadded}));
   solvers.push_back(std::make_unique<SimulatedAnnealing>());
+  solvers.push_back(std::make_unique<PerSequence>(PerSequenceOptions{.starts = 2}));
+  solvers.push_back(std::make_unique<Enumerate>(EnumerateOptions{.continuous = {.starts = 2}}));
+  solvers.push_back(std::make_unique<Eliminate>(EliminateOptions{.grid = 2}));
+  solvers.push_back(std::make_unique<TreeSearch>());
+  solvers.push_back(std::make_unique<TreeSearch>(TreeSearchOptions{.rollout = false, .polish = 0}));
+  solvers.push_back(std::make_unique<AutoSolver>());
   return solvers;
 }
 
@@ -64,8 +75,7 @@ TEST(ProblemContract, HoldsForAUsersProblem) { testing::expect_problem_contract(
 TEST(SolverContract, HoldsForEverySolverOnEveryKindOfProblem) {
   std::vector<std::unique_ptr<Solver>> solvers;
   for (auto& solver : stepped_solvers()) solvers.push_back(std::move(solver));
-  solvers.push_back(std::make_unique<AutoSolver>());
-  for (const Inner inner : {Inner::kOwn, Inner::kIpopt, Inner::kSlsqp, Inner::kCobyla, Inner::kCeres}) {
+  for (const Inner inner : {Inner::kIpopt, Inner::kSlsqp, Inner::kCobyla, Inner::kCeres}) {
     solvers.push_back(std::make_unique<PerSequence>(PerSequenceOptions{.inner = inner, .starts = 2}));
   }
   const auto fixed = load_problem("seed/fixed");
@@ -90,8 +100,12 @@ TEST(SolverContract, SearchesResumeWhereTheyWereCutOff) {
   }
 }
 
+// Without a smooth program per-sequence has nothing to do.
+bool needs_programs(const Solver& solver) { return solver.name().starts_with("per-sequence"); }
+
 TEST(SolverContract, SurvivesProblemsThatFail) {
   for (const auto& solver : stepped_solvers()) {
+    if (needs_programs(*solver)) continue;
     for (const Holes holes : {Holes::kNan, Holes::kThrow}) {
       SCOPED_TRACE(solver->name());
       Meter meter{{.evaluations = 200}};
@@ -108,12 +122,65 @@ TEST(SolverContract, SurvivesProblemsThatFail) {
 
 TEST(SolverContract, StopsAtTheTargetScore) {
   for (const auto& solver : stepped_solvers()) {
+    if (needs_programs(*solver)) continue;
     SCOPED_TRACE(solver->name());
     Meter meter{{.evaluations = 2000, .target_score = 2.5}};  // one module in two is 3 m high at most
     const Solution solution = solver->solve(Tower{Holes::kNone}, meter, Rng{1});
     EXPECT_EQ(solution.stop, StopReason::kTargetScore);
     EXPECT_GE(solution.evaluation.score, 2.5);
     EXPECT_EQ(solution.spent.evaluations, meter.trace().back().evaluations) << "and at once";
+  }
+}
+
+// Seconds and Ctrl-C reach a search the same way: the meter says stop, wherever the search is.
+TEST(SolverContract, HearsTheStopWithinOneEvaluation) {
+  const auto obstacles = load_problem("seed/random_obstacles", {5, 2});
+  for (const auto& solver : stepped_solvers()) {
+    SCOPED_TRACE(solver->name());
+    for (const std::int64_t last : {1, 2, 7, 8}) {
+      std::stop_source source;
+      std::int64_t program_evaluations = 0;
+      Meter meter{{},
+                  [&](const Meter& m) {
+                    if (m.progress().evaluations < last) return;
+                    source.request_stop();
+                    program_evaluations = m.progress().program_evaluations;
+                  },
+                  source.get_token()};
+      const Solution solution = solver->solve(*obstacles, meter, Rng{1});
+      EXPECT_LE(solution.spent.evaluations, last);
+      if (solution.spent.evaluations < last) continue;  // was over before
+      EXPECT_EQ(solution.spent.program_evaluations, program_evaluations);
+      EXPECT_EQ(solution.stop, StopReason::kInterrupted);
+    }
+  }
+}
+
+// An evaluation that takes longer than all the time there is: the time is up at the next question.
+TEST(SolverContract, EndsATaskThatIsTooSlowForItsBudgetAfterOneEvaluation) {
+  class Slow final : public DesignProblem {
+   public:
+    [[nodiscard]] std::string name() const override { return "slow"; }
+    [[nodiscard]] const ModuleLibrary& library() const override { return *library_; }
+    [[nodiscard]] int max_modules() const override { return 5; }
+    [[nodiscard]] Eigen::VectorXd context() const override { return Eigen::VectorXd::Zero(1); }
+
+   private:
+    [[nodiscard]] Evaluation do_evaluate(const Design&, Fidelity) const override {
+      const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds{20};
+      while (std::chrono::steady_clock::now() < end) std::this_thread::yield();
+      Evaluation evaluation;
+      evaluation.score = 1.0;
+      return evaluation;
+    }
+    std::shared_ptr<const ModuleLibrary> library_ = load_library("seed");
+  };
+  for (const auto& solver : stepped_solvers()) {
+    SCOPED_TRACE(solver->name());
+    Meter meter{{.seconds = 0.02}};
+    const Solution solution = solver->solve(Slow{}, meter, Rng{1});
+    EXPECT_LE(solution.spent.evaluations, 1);
+    EXPECT_EQ(solution.stop, StopReason::kSeconds);
   }
 }
 

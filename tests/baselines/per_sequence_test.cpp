@@ -6,7 +6,9 @@
 #include <modsearch/problem/files.hpp>
 #include <modsearch/solvers/verification.hpp>
 
+#include "contracts/problem_contract.hpp"
 #include "problem/one_module_optimum.hpp"
+#include "problem/temporary_folder.hpp"
 
 namespace modsearch {
 namespace {
@@ -85,8 +87,8 @@ TEST(SlowPerSequence, SolvesTwoHundredWideInstancesWithIpopt) {
   EXPECT_GE(ipopt.optimal, 198) << "worst regret " << ipopt.worst;
 }
 
-// The best one-module score among obstacles on a fine grid: for each proximal length of a hinge every distal length that
-// reaches is within a millimetre of hypot(rho, t_z - p); for a rotary both lengths are given up to the tolerance.
+// The best one-module score among obstacles on a fine grid: for each proximal length of a hinge every distal length
+// that reaches is within a millimetre of hypot(rho, t_z - p); for a rotary both lengths are given up to the tolerance.
 double one_module_reference(const RobotProblem& problem) {
   const Eigen::Vector3d t = problem.task().goals()[0].position();
   const double rho = std::hypot(t.x(), t.y());
@@ -174,11 +176,92 @@ TEST(PerSequence, SolvesTwoGoalsWithOneDesign) {
   const RobotProblem problem{spec};
   const Solution solution = solved(problem, Inner::kOwn);
   EXPECT_TRUE(solution.evaluation.attempt.achieved);
-  // One hinge has its tip on a circle about its joint: (1, 1) and (1.2, 0.6) in the meridional plane are equally far from
-  // (0, p) for 1 + (1 - p)^2 = 1.44 + (0.6 - p)^2, p = 0.25, too low. Two modules it is.
+  // One hinge has its tip on a circle about its joint: (1, 1) and (1.2, 0.6) in the meridional plane are equally far
+  // from (0, p) for 1 + (1 - p)^2 = 1.44 + (0.6 - p)^2, p = 0.25, too low. Two modules it is.
   EXPECT_EQ(solution.design.modules.size(), 2u);
   const Verification verification = verify(problem, solution.design);
   EXPECT_TRUE(verification.verified);
+}
+
+// seed/fixed, but the smooth programs of some sequences do what users' programs do.
+class Faulty final : public DesignProblem {
+ public:
+  enum class Fault { kThrows, kThrowsInside, kIsNotANumber };
+  explicit Faulty(Fault fault) : fault_{fault} {}
+  [[nodiscard]] std::string name() const override { return "faulty"; }
+  [[nodiscard]] const ModuleLibrary& library() const override { return sound_->library(); }
+  [[nodiscard]] int max_modules() const override { return 3; }
+  [[nodiscard]] Eigen::VectorXd context() const override { return sound_->context(); }
+  [[nodiscard]] std::unique_ptr<SmoothProgram> relax(std::span<const int> types, const Relaxation& r) const override {
+    if (types.size() != 1 || library().type(types[0]).id != "hinge") return sound_->relax(types, r);
+    if (fault_ == Fault::kThrows) throw std::runtime_error("no program for hinges");
+    return std::make_unique<Program>(sound_->relax(types, r), fault_ == Fault::kThrowsInside);
+  }
+
+ private:
+  class Program final : public SmoothProgram {
+   public:
+    Program(std::unique_ptr<SmoothProgram> sound, bool throws) : sound_{std::move(sound)}, throws_{throws} {
+      lower_ = sound_->lower();
+      upper_ = sound_->upper();
+      row_lower_ = sound_->row_lower();
+      row_upper_ = sound_->row_upper();
+      balls_ = sound_->balls();
+    }
+    [[nodiscard]] Design design(const Eigen::VectorXd& v) const override { return sound_->design(v); }
+
+   private:
+    void do_evaluate(const Eigen::VectorXd& v, Values& values) override {
+      if (throws_) throw std::runtime_error("the program of hinges breaks off");
+      sound_->evaluate(v, values);
+      values.objective = std::numeric_limits<double>::quiet_NaN();
+    }
+    [[nodiscard]] Eigen::MatrixXd do_hessian(const Eigen::VectorXd& v, double factor,
+                                             const Eigen::VectorXd& m) override {
+      return sound_->hessian(v, factor, m);
+    }
+    std::unique_ptr<SmoothProgram> sound_;
+    bool throws_;
+  };
+
+  [[nodiscard]] Evaluation do_evaluate(const Design& design, Fidelity fidelity) const override {
+    return sound_->evaluate(design, fidelity);
+  }
+  std::shared_ptr<const DesignProblem> sound_ = load_problem("seed/fixed");
+  Fault fault_;
+};
+
+// Without a hinge the best is a rotary module: proximal 1 - r, distal 1 + r, both shorter by what a millimetre of
+// tolerance gives along their diagonal.
+TEST(PerSequence, GoesOnWhereTheProgramOfOneSequenceFails) {
+  using Fault = Faulty::Fault;
+  const std::pair<Fault, std::string> faults[] = {{Fault::kThrows, "no program for hinges"},
+                                                  {Fault::kThrowsInside, "the program of hinges breaks off"},
+                                                  {Fault::kIsNotANumber, "the smooth program is not a number"}};
+  for (const auto& [fault, what] : faults) {
+    for (const Inner inner : {Inner::kOwn, Inner::kSlsqp, Inner::kIpopt}) {
+      SCOPED_TRACE(what + ", " + std::string{name(inner)});
+      const Faulty problem{fault};
+      Meter meter;
+      const Solution solution = PerSequence{{.inner = inner}}.solve(problem, meter, Rng{1});
+      EXPECT_TRUE(solution.evaluation.attempt.achieved);
+      EXPECT_NEAR(solution.evaluation.score, 350.0 - 5.0 * (2.0 - std::sqrt(2.0) * 0.001), 1e-4);
+      EXPECT_NE(solution.reason.find("1 of them failed: " + what), std::string::npos) << solution.reason;
+      EXPECT_EQ(solution.stop, StopReason::kExhausted) << "nothing is proved of a sequence that failed";
+    }
+  }
+}
+
+TEST(PerSequence, ResumesWhereItWasCutOff) {
+  RobotProblemSpec spec = load_problem("seed/fixed")->spec();
+  spec.max_modules = 4;
+  spec.task = std::make_shared<GoalTask>(
+      "two", std::vector<Goal>{{"1", GoalType::kReach, PoseRegion::ball({0.0, 3.0, 3.0}, 1e-3)}});
+  for (const Inner inner : {Inner::kOwn, Inner::kCrs2}) {
+    const test::TemporaryFolder folder;
+    testing::expect_resumable_contract(PerSequence{{.inner = inner, .starts = 2}}, RobotProblem{spec}, folder.path(),
+                                       10);
+  }
 }
 
 TEST(PerSequence, StopsAtItsBudgetOfEvaluations) {

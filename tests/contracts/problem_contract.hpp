@@ -16,6 +16,8 @@ inline void expect_problem_contract(const DesignProblem& problem) {
   EXPECT_TRUE(problem.context().allFinite());
   EXPECT_EQ(problem.context(), problem.context());
   EXPECT_NO_THROW((void)problem.evaluate({})) << "the empty design is allowed";
+  ASSERT_FALSE(problem.stages().empty());
+  EXPECT_EQ(problem.stages().back(), Fidelity::kFull);
 
   Rng rng{99};
   for (int i = 0; i < 50; ++i) {
@@ -27,9 +29,17 @@ inline void expect_problem_contract(const DesignProblem& problem) {
     EXPECT_EQ(first.attempt.achieved, again.attempt.achieved);
     const Evaluation screen = problem.evaluate(design, Fidelity::kScreen);
     EXPECT_FALSE(first.better_than(screen)) << "a screen is an upper bound";
+    EXPECT_FALSE(screen.better_than(problem.evaluate(design, Fidelity::kPoses))) << "and poses alone are one of that";
     if (first.attempt.achieved) {
       EXPECT_LE(first.score, problem.optimism(design.types()).score + 1e-9) << "nothing beats the bound of its types";
       EXPECT_LE(first.score, problem.optimism_of_length(static_cast<int>(design.modules.size())).score + 1e-9);
+    }
+    for (std::size_t n = 0; first.attempt.achieved && n <= design.modules.size(); ++n) {
+      EXPECT_LE(first.score, problem.optimism_of_prefix(design.prefix(static_cast<int>(n)).types(),
+                                                        static_cast<int>(design.modules.size()))
+                                     .score +
+                                 1e-9)
+          << "nor the bound of its first types";
     }
     for (std::size_t n = 0; n <= design.modules.size(); ++n) {
       EXPECT_NO_THROW((void)problem.evaluate(design.prefix(static_cast<int>(n)), Fidelity::kScreen))

@@ -117,6 +117,29 @@ TEST(SequenceCount, OfAPatternAgreesWithBuildingEverySequence) {
   }
 }
 
+TEST(SequenceCount, OfDesignsAgreesWithBuildingEverySequence) {
+  const ModuleLibrary library = two_kinds();
+  const std::vector<double> weights{1.0, 2.0, 3.0, 5.0, 7.0};
+  for (const std::vector<int>& prefix : {std::vector<int>{}, {1}, {0, 1}, {1, 4}}) {
+    for (int n = static_cast<int>(prefix.size()); n <= 5; ++n) {
+      SequenceCount expected;
+      std::vector<int> types = prefix;
+      for_each_sequence(library, n, types, [&](const std::vector<int>& sequence) {
+        double designs = 1.0;
+        for (const int k : sequence) designs *= weights[static_cast<std::size_t>(k)];
+        expected.all += designs;
+        if (!library.fits_together(sequence)) return;
+        expected.fitting += designs;
+        if (library.complete(sequence)) expected.complete += designs;
+      });
+      const SequenceCount count = count_designs(library, prefix, n, weights);
+      EXPECT_EQ(count.all, expected.all) << n;
+      EXPECT_EQ(count.fitting, expected.fitting) << n;
+      EXPECT_EQ(count.complete, expected.complete) << n;
+    }
+  }
+}
+
 // Three types of which each fits each: 3^n.
 TEST(SequenceCount, OfTheReferenceLibraryIsAPowerOfThree) {
   for (int n = 0; n <= 9; ++n) EXPECT_EQ(count_sequences(*load_library("seed"), n).complete, std::pow(3.0, n));
