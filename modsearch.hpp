@@ -73,6 +73,7 @@
 #include <modsearch/rl/pdqn.hpp>
 #include <modsearch/rl/policy_file.hpp>
 #include <modsearch/rl/polish.hpp>
+#include <modsearch/rl/random_policy.hpp>
 #include <modsearch/rl/replay.hpp>
 #include <modsearch/rl/returns.hpp>
 #include <modsearch/rl/saved_policy.hpp>

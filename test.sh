@@ -18,7 +18,7 @@ while (($#)); do
   esac
 done
 
-install_packages "${product_packages[@]}" "${demo_packages[@]}" "${test_packages[@]}"
+install_packages "${product_packages[@]}" "${test_packages[@]}"
 warnings_as_errors=OFF
 [[ ${CI:-} == true ]] && warnings_as_errors=ON
 configure -DMODSEARCH_BUILD_TESTS=ON -DMODSEARCH_BUILD_EXAMPLES=ON -DMODSEARCH_WARNINGS_AS_ERRORS=$warnings_as_errors

@@ -14,6 +14,7 @@
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/baselines/random_search.hpp>
 #include <modsearch/baselines/tree_search.hpp>
+#include <modsearch/rl/random_policy.hpp>
 #include <modsearch/rl/saved_policy.hpp>
 #include <stdexcept>
 
@@ -62,6 +63,25 @@ Inner inner_solver(const OptionValues& values, Inner otherwise) {
   const std::optional<Inner> known = inner_from_name(inner);
   if (!known) throw std::invalid_argument(fmt::format("option inner={}: not one of {}", inner, inner_names()));
   return *known;
+}
+
+std::unique_ptr<Solver> make_random(const OptionValues& values) {
+  const int proposals = integer(values, "polish", 0, 0, 1'000'000);
+  if (proposals == 0) return std::make_unique<RandomSearch>();
+  RandomPolicyOptions options;
+  options.proposals = proposals;
+  options.polishing.descend_mass = integer(values, "mass", 0, 0, 1) == 1;
+  options.type = value_or(values, "type", options.type);
+  return std::make_unique<RandomPolicy>(options);
+}
+
+SolverEntry random_entry() {
+  return {"random",
+          "uniform over number of modules, types and parameters: the bar to clear",
+          {{"polish", "0", "K > 0: instead a policy of random modules, the best of K polished ones at each placement"},
+           {"mass", "0", "1: polish goes on to the lightest parameters that reach"},
+           {"type", "any", "with polish: proposes modules with this ID only"}},
+          make_random};
 }
 
 std::unique_ptr<Solver> make_per_sequence(const OptionValues& values) {
@@ -212,10 +232,7 @@ std::vector<SolverEntry> make_entries() {
        "the default: bounds first, then what suits the problem: eliminate, per-sequence or ga; says what is proved",
        {},
        [](const OptionValues&) { return std::make_unique<AutoSolver>(); }});
-  entries.push_back(
-      {"random", "uniform over number of modules, types and parameters: the bar to clear", {}, [](const OptionValues&) {
-         return std::make_unique<RandomSearch>();
-       }});
+  entries.push_back(random_entry());
   entries.push_back({"per-sequence",
                      "type sequences in order of an optimistic bound, each solved as a smooth program",
                      {{"inner", std::string{name(defaults.inner)}, inner_names()},

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <modsearch/rl/learner.hpp>
+#include <modsearch/rl/only_problem_internal.hpp>
 #include <stdexcept>
 
 namespace modsearch {
@@ -12,12 +13,6 @@ TrainingOptions consistent(const LearnerSettings& settings) {
   TrainingOptions options = settings.training;
   options.returns.remaining = settings.agent.mixed_target > 0.0;
   return options;
-}
-
-// The problem as its own family; it must outlive the source.
-ProblemSource only(const DesignProblem& problem) {
-  const std::shared_ptr<const DesignProblem> borrowed{std::shared_ptr<const DesignProblem>{}, &problem};
-  return [borrowed](Rng) { return borrowed; };
 }
 
 }  // namespace
@@ -93,7 +88,7 @@ std::unique_ptr<Agent> Policy::agent() const {
 }
 
 SearchEnd Policy::do_solve(const DesignProblem& problem, Meter& meter, Rng rng) const {
-  DesignEnvironment environment{only(problem), settings_.environment};
+  DesignEnvironment environment{detail::only(problem), settings_.environment};
   if (!(environment.space() == space_) || environment.observation_size() != observation_size_) {
     throw std::invalid_argument(fmt::format(
         "policy: problem '{}' has {} types and observations of {} numbers, the policy was trained with {} and {}",

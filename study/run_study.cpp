@@ -161,8 +161,8 @@ class Run {
     const bool again = ended_[number].has_value();
     if (!again) journal_->start(cell.record);
     // A training that is repeated leaves the policy alone that others use.
-    const bool aside = again && cell.record.key.kind == CellKind::kTraining;
-    return {cell.record, [&] { return compute(study_, cell, aside ? options_.folder / "recheck" : options_.folder); }};
+    const bool trains_again = again && cell.record.key.kind == CellKind::kTraining;
+    return {cell.record, [&] { return compute(study_, cell, trains_again ? aside() : options_.folder); }};
   }
 
   // Waits until something happens, a tenth of a second at most, and takes those that have ended out of `workers`.
@@ -179,6 +179,8 @@ class Run {
     }
     return ended;
   }
+
+  [[nodiscard]] std::filesystem::path aside() const { return options_.folder / "recheck"; }
 
   void keep(const CellRecord& cell) {
     journal_->finish(cell);
@@ -201,6 +203,7 @@ class Run {
     const std::size_t n = std::min(candidates.size(), static_cast<std::size_t>(options_.recheck));
     for (std::size_t i = 0; i < n; ++i) chosen.push_back(candidates[i * candidates.size() / n]);
     work_off(chosen, [this](const CellRecord& cell) { compare(cell); });
+    std::filesystem::remove_all(aside());
   }
 
   void compare(const CellRecord& again) const {

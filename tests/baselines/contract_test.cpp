@@ -60,7 +60,7 @@ std::vector<std::unique_ptr<SteppedSolver>> stepped_solvers() {
   return solvers;
 }
 
-TEST(ProblemContract, HoldsForTheReferenceScenariosAtEveryLevel) {
+TEST(ProblemContract, HoldsForTheBuiltInProblemsAtEveryLevel) {
   for (const std::string& id : builtin_problems()) {
     const auto problem = load_problem(id, {5, 1});
     testing::expect_problem_contract(*problem);
@@ -209,7 +209,7 @@ TEST(SolverContract, ProvesAtOnceThatNothingReachesTooFar) {
 // What every Task promises, for the one that files describe: goals, features of fixed length, an attempt that is a
 // function.
 TEST(TaskContract, HoldsForTheTasksOfTheReferenceScenarios) {
-  for (const std::string& id : builtin_problems()) {
+  for (const char* id : {"seed/fixed", "seed/random_narrow", "seed/random_obstacles", "seed/random_wide"}) {
     const auto problem = load_problem(id);
     const Task& task = problem->task();
     ASSERT_FALSE(task.goals().empty());

@@ -12,6 +12,7 @@ namespace {
 using nlohmann::json;
 using test::TemporaryFolder;
 using test::text_of;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -20,10 +21,8 @@ const std::filesystem::path kData = std::filesystem::path(MODSEARCH_SOURCE) / "d
 json seed_fixed() { return json::parse(text_of(kData / "scenarios/seed_fixed.json")); }
 
 TEST(ProblemFile, KnowsTheReferenceScenariosById) {
-  EXPECT_THAT(builtin_problems(),
-              ElementsAre("seed/fixed", "seed/random_narrow", "seed/random_obstacles", "seed/random_wide"));
-  EXPECT_THAT(builtin_libraries(), ElementsAre("seed"));
-  for (const std::string& id : builtin_problems()) {
+  for (const char* id : {"seed/fixed", "seed/random_narrow", "seed/random_obstacles", "seed/random_wide"}) {
+    EXPECT_THAT(builtin_problems(), Contains(id));
     const auto problem = load_problem(id);
     EXPECT_EQ(problem->name(), id);
     EXPECT_EQ(problem->max_modules(), 10);
@@ -31,6 +30,22 @@ TEST(ProblemFile, KnowsTheReferenceScenariosById) {
     EXPECT_EQ(problem->spec().scoring->name(), "algorithm1");
     EXPECT_EQ(problem->task().name(), id);
   }
+}
+
+TEST(ProblemFile, OfEveryBuiltInProblemIsNamedAsItsTask) {
+  for (const std::string& id : builtin_problems()) EXPECT_EQ(load_problem(id)->task().name(), id);
+  EXPECT_THAT(builtin_libraries(), ElementsAre("seed", "seed/short"));
+}
+
+TEST(ProblemFile, OfTheHarderFamiliesDifferInLengthsGoalsAndClutter) {
+  const auto library = load_problem("breakeven/short")->spec().library;
+  const ModuleType& hinge = library->type(library->find("hinge").value());
+  EXPECT_EQ(hinge.parameters[0].lower, 0.2);
+  EXPECT_EQ(hinge.parameters[1].upper, 0.6);
+  EXPECT_EQ(load_problem("breakeven/two_goals")->task().goals().size(), 2U);
+  EXPECT_EQ(load_problem("breakeven/three_goals")->task().goals().size(), 3U);
+  EXPECT_EQ(load_problem("breakeven/clutter")->scene().obstacles().size(), 6U);
+  EXPECT_EQ(load_problem("breakeven/clutter_path")->spec().level, Level::kPath);
 }
 
 TEST(ProblemFile, OfTheFixedScenarioAsksForOnePointWithinAMillimetre) {
