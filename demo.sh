@@ -30,4 +30,5 @@ say "Comparing solvers and an agent, under two minutes on two cores ..."
 printf '\nThe reference problem %s, and every segment of its path checked ten times finer than the planner did:\n' "$problem"
 "$modsearch" solve "$problem" --fidelity path --quiet --out "$answers"
 "$modsearch" verify "$answers/solution.json" || die "The best design could not be verified."
-printf '\nThe robot, its path and its score in 3-D, in any browser: %s\n' "$answers/view.html"
+printf '\nIn any browser:\n  the comparison, with its figures:              %s\n  the robot, its path and its score in 3-D:      %s\n' \
+  "$answers/$study/report.html" "$answers/view.html"

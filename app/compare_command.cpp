@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <modsearch/study/report.hpp>
 #include <modsearch/study/run_study.hpp>
 #include <modsearch/study/study_csv.hpp>
 #include <modsearch/study/study_file.hpp>
@@ -37,6 +38,8 @@ Status compare(const CompareArguments& arguments, const CommonArguments& common,
     write_file(arguments.out / name, text);
     written.push_back((arguments.out / name).string());
   }
+  write_report(record, arguments.out / "report.html");
+  written.push_back((arguments.out / "report.html").string());
   if (common.json) {
     nlohmann::ordered_json json = study_json(record);
     json["files"] = written;

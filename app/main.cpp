@@ -132,7 +132,7 @@ void describe(CLI::App& app, Arguments& a) {
   add_count(compare, "--jobs", a.compare.jobs, "cells at the same time, each in a process of its own (default 1)");
   compare.add_flag("--resume", a.compare.resume, "go on with the journal in --out");
   add_count(compare, "--recheck", a.compare.recheck, "finished cells to compute once more and compare (default 0)");
-  compare.add_option("--out", a.compare.out, "folder for events.jsonl, runs.csv, traces.csv, policies/")->required();
+  compare.add_option("--out", a.compare.out, "folder for events.jsonl, runs.csv, traces.csv, report.html, policies/")->required();
   add_common(compare, a.common, "modsearch compare quick --jobs 2 --out out/");
 
   CLI::App& evaluate = *app.add_subcommand("evaluate", "score a given design, term by term");

@@ -30,7 +30,7 @@ class CompareCommand : public ::testing::Test {
   std::string study_ = folder_ / "study.json";
 };
 
-TEST_F(CompareCommand, PrintsATableAndWritesTheJournalAndItsCsv) {
+TEST_F(CompareCommand, PrintsATableAndWritesJournalCsvAndReport) {
   const Outcome outcome = compare({"--jobs", "2", "--quiet", "--out", folder_ / "out"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("seed/fixed: 1 instance, 2 seeds"));
@@ -41,6 +41,7 @@ TEST_F(CompareCommand, PrintsATableAndWritesTheJournalAndItsCsv) {
   const std::string runs = read_text(folder_ / "out/runs.csv");
   EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 1 + 1 + 3 * 2);  // header, training, runs
   EXPECT_THAT(read_text(folder_ / "out/traces.csv"), HasSubstr("cell,problem,"));
+  EXPECT_THAT(read_text(folder_ / "out/report.html"), HasSubstr("per-sequence:starts=2,inner=own"));
 }
 
 TEST_F(CompareCommand, TellsTheSameInJson) {
