@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <modsearch/problem/files.hpp>
 #include <modsearch/rl/random_policy.hpp>
 #include <stdexcept>
 #include <string>
