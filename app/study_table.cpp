@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <modsearch/study/targets.hpp>
 #include <optional>
 #include <vector>
 
@@ -26,33 +26,6 @@ nlohmann::ordered_json number_or_null(double number) {
   return std::isfinite(number) ? nlohmann::ordered_json(number) : nlohmann::ordered_json(nullptr);
 }
 
-// Best possible or best known score of each instance.
-class BestKnown {
- public:
-  explicit BestKnown(const StudyRecord& record) {
-    for (const CellRecord& cell : record.cells) {
-      if (!cell.outcome || cell.outcome->training) continue;
-      Known& known = known_[name_of(cell.key)];
-      if (cell.outcome->bound) known.bound = std::min(known.bound, cell.outcome->bound->score);
-      if (cell.outcome->achieved) known.score = std::max(known.score, cell.outcome->score);
-    }
-  }
-  [[nodiscard]] double of(const CellKey& key) const {
-    const Known& known = known_.at(name_of(key));
-    return std::isfinite(known.bound) ? known.bound : known.score;
-  }
-
- private:
-  struct Known {
-    double bound = std::numeric_limits<double>::infinity();
-    double score = -std::numeric_limits<double>::infinity();
-  };
-  static std::string name_of(const CellKey& key) {
-    return key.instance ? fmt::format("{} {}:{}", key.problem, key.instance->seed, key.instance->index) : key.problem;
-  }
-  std::map<std::string, Known> known_;
-};
-
 struct Row {
   std::string label;
   int runs = 0;
@@ -65,28 +38,27 @@ struct Row {
   double training_seconds = kNothing;
 };
 
-Row row_of(const StudyRecord& record, const std::string& problem, const SolverFacts& solver, const BestKnown& best) {
-  Row row{.label = solver.label};
-  std::vector<double> scores, regrets, evaluations, seconds, training;
-  for (const CellRecord& cell : record.cells) {
-    if (cell.key.label != solver.label) continue;
-    if (cell.key.kind == CellKind::kTraining && cell.outcome) training.push_back(cell.outcome->spent.seconds);
-    if (cell.key.kind != CellKind::kRun || cell.key.problem != problem) continue;
-    row.failed += cell.state == CellState::kFailed;
-    if (!cell.outcome) continue;
-    ++row.runs;
-    scores.push_back(cell.outcome->score);
-    evaluations.push_back(static_cast<double>(cell.outcome->spent.evaluations));
-    seconds.push_back(cell.outcome->spent.seconds);
-    if (!cell.outcome->achieved) continue;
-    ++row.achieved;
-    regrets.push_back(best.of(cell.key) - cell.outcome->score);
+Row row_of(const StudyRecord& record, const StudyRuns& runs, std::size_t solver) {
+  Row row{.label = runs.solvers[solver].label};
+  row.failed = runs.n_failed(solver);
+  std::vector<double> scores, regrets, evaluations, seconds;
+  for (std::size_t i = 0; i < runs.instances.size(); ++i) {
+    for (const CellRecord* cell : runs.runs[solver][i]) {
+      if (!cell->outcome) continue;
+      ++row.runs;
+      scores.push_back(cell->outcome->score);
+      evaluations.push_back(static_cast<double>(cell->outcome->spent.evaluations));
+      seconds.push_back(cell->outcome->spent.seconds);
+      if (!cell->outcome->achieved) continue;
+      ++row.achieved;
+      regrets.push_back(regret(*cell, runs.instances[i]));
+    }
   }
   row.score = median(std::move(scores));
   row.regret = median(std::move(regrets));
   row.evaluations = median(std::move(evaluations));
   row.seconds = median(std::move(seconds));
-  row.training_seconds = median(std::move(training));
+  if (const auto cost = training_cost(record, runs, solver)) row.training_seconds = cost->seconds;
   return row;
 }
 
@@ -109,12 +81,21 @@ Row bound_row(const StudyRecord& record, const std::string& problem) {
   return row;
 }
 
-std::vector<Row> rows_of(const StudyRecord& record, const std::string& problem) {
-  const BestKnown best{record};
+std::vector<Row> rows_of(const StudyRecord& record, const StudyRuns& runs, const std::string& problem) {
   std::vector<Row> rows;
-  for (const SolverFacts& solver : record.study.solvers) rows.push_back(row_of(record, problem, solver, best));
+  for (std::size_t solver = 0; solver < runs.solvers.size(); ++solver) rows.push_back(row_of(record, runs, solver));
   if (const Row bound = bound_row(record, problem); bound.runs + bound.failed > 0) rows.push_back(bound);
   return rows;
+}
+
+// What the regret of a problem's runs is measured from.
+std::string reference_of(const StudyRuns& runs) {
+  std::size_t bounded = 0;
+  for (const InstanceFacts& instance : runs.instances) bounded += instance.bound.has_value();
+  if (bounded == 0) return "the best known score";
+  if (bounded == runs.instances.size()) return "what is proved to be possible at most";
+  return fmt::format("what is proved to be possible at most ({} of {} instances) or the best known score", bounded,
+                     runs.instances.size());
 }
 
 std::string cell(double number, int digits) {
@@ -131,7 +112,8 @@ nlohmann::ordered_json study_json(const StudyRecord& record) {
   json["problems"] = nlohmann::ordered_json::array();
   for (const ProblemFacts& problem : record.study.problems) {
     nlohmann::ordered_json solvers = nlohmann::ordered_json::array();
-    for (const Row& row : rows_of(record, problem.name)) {
+    const StudyRuns runs = runs_of(record, problem.name);
+    for (const Row& row : rows_of(record, runs, problem.name)) {
       solvers.push_back({{"solver", row.label},
                          {"runs", row.runs},
                          {"achieved", row.achieved},
@@ -153,12 +135,13 @@ std::string study_text(const StudyRecord& record) {
   std::string text;
   for (const ProblemFacts& problem : record.study.problems) {
     const std::size_t n = std::max<std::size_t>(problem.instances.size(), 1);
-    text += fmt::format("\n{}: {} instance{}, {} seed{}; medians, regret of the runs that achieved the task\n",
-                        problem.name, n, n == 1 ? "" : "s", record.study.seeds.size(),
-                        record.study.seeds.size() == 1 ? "" : "s");
+    const StudyRuns runs = runs_of(record, problem.name);
+    text += fmt::format("\n{}: {} instance{}, {} seed{}; medians, regret of achieved runs against {}\n", problem.name, n,
+                        n == 1 ? "" : "s", record.study.seeds.size(), record.study.seeds.size() == 1 ? "" : "s",
+                        reference_of(runs));
     text += fmt::format("{:<{}} {:>11} {:>10} {:>9} {:>12} {:>9} {:>13}\n", "solver", width, "achieved", "score",
                         "regret", "evaluations", "seconds", "training [s]");
-    for (const Row& row : rows_of(record, problem.name)) {
+    for (const Row& row : rows_of(record, runs, problem.name)) {
       text += fmt::format("{:<{}} {:>11} {:>10} {:>9} {:>12} {:>9} {:>13}{}\n", row.label, width,
                           fmt::format("{} of {}", row.achieved, row.runs), cell(row.score, 3), cell(row.regret, 3),
                           cell(row.evaluations, 0), cell(row.seconds, 4), cell(row.training_seconds, 1),
