@@ -17,6 +17,8 @@
 #include <thread>
 #include <vector>
 
+#include "places.hpp"
+
 namespace modsearch::testing {
 
 /// What a run of the program gave.
@@ -62,7 +64,7 @@ class Child {
         const std::filesystem::path& out = {})
       : out_{out.empty() ? folder / "stdout.txt" : out}, err_{folder / "stderr.txt"} {
     std::vector<char*> argv;
-    std::vector<std::string> words{MODSEARCH_COMMAND};
+    std::vector<std::string> words{test::command()};
     words.insert(words.end(), arguments.begin(), arguments.end());
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
@@ -111,7 +113,7 @@ class StuckChild {
  public:
   explicit StuckChild(const std::vector<std::string>& arguments) {
     std::vector<char*> argv;
-    std::vector<std::string> words{MODSEARCH_COMMAND};
+    std::vector<std::string> words{test::command()};
     words.insert(words.end(), arguments.begin(), arguments.end());
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
@@ -150,7 +152,7 @@ class StuckChild {
 /// What a terminal of `columns` characters per line shows of a run.
 inline std::string on_terminal(const std::vector<std::string>& arguments, unsigned short columns) {
   std::vector<char*> argv;
-  std::vector<std::string> words{MODSEARCH_COMMAND};
+  std::vector<std::string> words{test::command()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <modsearch/baselines/annealing.hpp>
 #include <chrono>
+#include <modsearch/baselines/annealing.hpp>
 #include <modsearch/baselines/auto_solver.hpp>
 #include <modsearch/baselines/cma_es.hpp>
 #include <modsearch/baselines/eliminate.hpp>

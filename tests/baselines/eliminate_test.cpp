@@ -10,7 +10,7 @@
 #include "baselines/tiny_problems.hpp"
 #include "contracts/problem_contract.hpp"
 #include "problem/temporary_folder.hpp"
-#include "shared_folder.hpp"
+#include "places.hpp"
 
 namespace modsearch {
 namespace {

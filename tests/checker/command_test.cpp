@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "naive_certificate.hpp"
+#include "places.hpp"
 
 namespace modsearch_check {
 namespace {
@@ -24,7 +25,7 @@ Outcome run(const std::string& command) {
   return outcome;
 }
 
-const std::string kFolder = std::filesystem::path{MODSEARCH_COMMAND}.parent_path().string();
+const std::string kFolder = std::filesystem::path{modsearch::test::command()}.parent_path().string();
 const std::string kCheck = kFolder + "/modsearch-check ";
 
 Json certificate_of_seed_fixed() {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "places.hpp"
 #include "problem/temporary_folder.hpp"
 
 namespace modsearch {
@@ -18,7 +19,7 @@ using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::filesystem::path kData = std::filesystem::path(MODSEARCH_SOURCE) / "data";
+const std::filesystem::path kData = test::source_folder() / "data";
 const std::string kProblem = text_of(kData / "scenarios/seed_random_obstacles.json");
 const std::string kLibrary = text_of(kData / "libraries/seed.json");
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "problem/temporary_folder.hpp"
-#include "shared_folder.hpp"
+#include "places.hpp"
 
 namespace modsearch {
 namespace {
@@ -14,7 +14,7 @@ using nlohmann::json;
 using test::TemporaryFolder;
 using test::text_of;
 
-const std::filesystem::path kSeed = std::filesystem::path(MODSEARCH_SOURCE) / "data/libraries/seed.json";
+const std::filesystem::path kSeed = test::source_folder() / "data/libraries/seed.json";
 
 /// The recorded file, or an empty path where there is none.
 std::filesystem::path recorded(const std::string& name) {

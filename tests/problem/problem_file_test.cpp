@@ -4,6 +4,7 @@
 #include <modsearch/problem/files.hpp>
 #include <nlohmann/json.hpp>
 
+#include "places.hpp"
 #include "problem/temporary_folder.hpp"
 
 namespace modsearch {
@@ -16,7 +17,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-const std::filesystem::path kData = std::filesystem::path(MODSEARCH_SOURCE) / "data";
+const std::filesystem::path kData = test::source_folder() / "data";
 
 json seed_fixed() { return json::parse(text_of(kData / "scenarios/seed_fixed.json")); }
 

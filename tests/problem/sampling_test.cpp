@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "places.hpp"
 #include "problem/temporary_folder.hpp"
 
 namespace modsearch {
@@ -77,7 +78,7 @@ TEST(Instance, OfAProblemWithoutSamplingIsTheProblem) {
 TEST(Instance, IsRefusedWhereTheObstaclesFillTheBox) {
   const test::TemporaryFolder folder;
   nlohmann::json problem = nlohmann::json::parse(
-      test::text_of(std::filesystem::path(MODSEARCH_SOURCE) / "data/scenarios/seed_random_obstacles.json"));
+      test::text_of(test::source_folder() / "data/scenarios/seed_random_obstacles.json"));
   problem["sampling"]["minClearance"] = 50.0;
   const ProblemFile file = load_problem_file(folder.write("full.json", problem.dump()).string());
   EXPECT_THROW(static_cast<void>(file.instance({0, 0})), std::runtime_error);

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "problem/temporary_folder.hpp"
-#include "shared_folder.hpp"
+#include "places.hpp"
 
 namespace modsearch {
 namespace {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "places.hpp"
 #include "problem/temporary_folder.hpp"
 
 namespace modsearch {
@@ -112,7 +113,7 @@ TEST_F(SolutionFile, TimesEachLegByItsSlowestJointInWholeSteps) {
 }
 
 TEST_F(SolutionFile, BeginsItsMotionAtHomeHoweverLongTheTimeStep) {
-  json file = json::parse(text_of(std::filesystem::path(MODSEARCH_SOURCE) / "data/scenarios/seed_fixed.json"));
+  json file = json::parse(text_of(test::source_folder() / "data/scenarios/seed_fixed.json"));
   file["task"]["header"]["timeStepSize"] = 1e9;
   const auto slow = load_problem(folder_.write("slow.json", file.dump()).string());
   const json trajectory = json::parse(solution_to_json(*slow, record_))["trajectory"];
@@ -161,7 +162,7 @@ TEST_F(SolutionFile, NamesItsInstanceAndTarget) {
 }
 
 TEST_F(SolutionFile, FindsItsProblemRelativeToItself) {
-  const auto scenario = std::filesystem::path(MODSEARCH_SOURCE) / "data/scenarios/seed_fixed.json";
+  const auto scenario = test::source_folder() / "data/scenarios/seed_fixed.json";
   folder_.write("problems/mine.json", text_of(scenario));
   json text = good();
   text["problem"] = "problems/mine.json";
@@ -215,8 +216,8 @@ TEST_F(SolutionFile, IsRefusedWhereItContradictsItself) {
 
 // A solution as CoBRA writes it: no "modsearch", no design, modules without parameters.
 TEST_F(SolutionFile, OfCobrasOwnIsReadByItsModules) {
-  json problem = json::parse(text_of(std::filesystem::path(MODSEARCH_SOURCE) / "data/scenarios/seed_fixed.json"));
-  json library = json::parse(text_of(std::filesystem::path(MODSEARCH_SOURCE) / "data/libraries/seed.json"));
+  json problem = json::parse(text_of(test::source_folder() / "data/scenarios/seed_fixed.json"));
+  json library = json::parse(text_of(test::source_folder() / "data/libraries/seed.json"));
   json& link = library["modules"][1];  // frozen at 1 m
   link.erase("parameters");
   link["bodies"][0]["mass"] = 1.0;

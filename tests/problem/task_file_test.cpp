@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "problem/temporary_folder.hpp"
-#include "shared_folder.hpp"
+#include "places.hpp"
 
 namespace modsearch {
 namespace {

@@ -8,7 +8,7 @@
 #include <regex>
 
 #include "problem/temporary_folder.hpp"
-#include "shared_folder.hpp"
+#include "places.hpp"
 
 // Arms of Timor's own libraries against KDL, which gets them from the same JSON by rules written down here again.
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "places.hpp"
 #include "problem/temporary_folder.hpp"
 
 // A link whose angular parameter turns its far end about its axis, as a fixed joint with an angle.
@@ -16,7 +17,7 @@ namespace {
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-const std::filesystem::path kSeed = std::filesystem::path(MODSEARCH_SOURCE) / "data/libraries/seed.json";
+const std::filesystem::path kSeed = test::source_folder() / "data/libraries/seed.json";
 
 json height(const json& z) { return {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, z}, {0, 0, 0, 1}}; }
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "places.hpp"
 #include "problem/temporary_folder.hpp"
 
 namespace modsearch {
@@ -125,7 +126,7 @@ TEST(StudyProblems, OfOneTargetHaveNoInstances) {
 
 TEST(StudyHashes, ChangeWithTheFileOfAProblem) {
   const test::TemporaryFolder folder;
-  const std::filesystem::path source = std::filesystem::path{MODSEARCH_SOURCE} / "data/scenarios/seed_fixed.json";
+  const std::filesystem::path source = test::source_folder() / "data/scenarios/seed_fixed.json";
   const std::filesystem::path file = folder.path() / "problem.json";
   std::filesystem::copy_file(source, file);
   const auto hash = [&] {
