@@ -95,11 +95,13 @@
 #include <modsearch/study/curves.hpp>
 #include <modsearch/study/distribution.hpp>
 #include <modsearch/study/environment_page.hpp>
+#include <modsearch/study/iohprofiler.hpp>
 #include <modsearch/study/journal.hpp>
 #include <modsearch/study/page.hpp>
 #include <modsearch/study/profiles.hpp>
 #include <modsearch/study/records.hpp>
 #include <modsearch/study/report.hpp>
+#include <modsearch/study/run_matrix.hpp>
 #include <modsearch/study/run_study.hpp>
 #include <modsearch/study/runtimes.hpp>
 #include <modsearch/study/signed_rank.hpp>

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <modsearch/study/iohprofiler.hpp>
 #include <modsearch/study/report.hpp>
+#include <modsearch/study/run_matrix.hpp>
 #include <modsearch/study/run_study.hpp>
 #include <modsearch/study/study_csv.hpp>
 #include <modsearch/study/study_file.hpp>
@@ -13,9 +15,16 @@
 namespace modsearch::app {
 namespace {
 
-// What is made of the journal, as names and texts.
-std::vector<std::pair<std::string, std::string>> derived_files(const StudyRecord& record) {
-  return {{"runs.csv", runs_csv(record)}, {"traces.csv", traces_csv(record)}};
+// What is made of the journal, relative to the folder of the study.
+std::vector<NamedText> derived_files(const StudyRecord& record) {
+  std::vector<NamedText> files{{"runs.csv", runs_csv(record)},
+                               {"traces.csv", traces_csv(record)},
+                               {"scores.csv", score_matrix_csv(record)},
+                               {"regrets.csv", regret_matrix_csv(record)}};
+  for (NamedText& file : iohprofiler_files(record)) {
+    files.push_back({"iohprofiler/" + file.path, std::move(file.text)});
+  }
+  return files;
 }
 
 }  // namespace
@@ -34,9 +43,13 @@ Status compare(const CompareArguments& arguments, const CommonArguments& common,
   display.finish();
 
   std::vector<std::string> written{(arguments.out / "events.jsonl").string()};
-  for (const auto& [name, text] : derived_files(record)) {
-    write_file(arguments.out / name, text);
-    written.push_back((arguments.out / name).string());
+  for (const auto& [path, text] : derived_files(record)) {
+    const std::filesystem::path file = arguments.out / path;
+    make_folder(file.parent_path());
+    write_file(file, text);
+    // Of a folder its name is enough.
+    const std::string name = (arguments.out / *std::filesystem::path{path}.begin()).string();
+    if (written.back() != name) written.push_back(name);
   }
   write_report(record, arguments.out / "report.html");
   written.push_back((arguments.out / "report.html").string());
