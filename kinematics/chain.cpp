@@ -60,10 +60,13 @@ ChainBuilder& ChainBuilder::joint(Joint joint, int parent, int child) {
   return *this;
 }
 
-int ChainBuilder::body(std::string name, int module, AffineScalar mass, std::vector<BodyGeometry> geometries) {
+int ChainBuilder::body(std::string name, int module, AffineScalar mass, std::vector<BodyGeometry> geometries,
+                       MassSpread spread) {
   for (BodyGeometry& geometry : geometries) geometry.X_FG = X_FC_ * geometry.X_FG;
+  spread.X_FB = X_FC_ * spread.X_FB;
   chain_.mass_ = chain_.mass_ + mass;
-  chain_.bodies_.push_back({std::move(name), module, chain_.n_joints(), std::move(mass), std::move(geometries)});
+  chain_.bodies_.push_back({std::move(name), module, chain_.n_joints(), std::move(mass), std::move(geometries),
+                            std::move(spread)});
   return static_cast<int>(chain_.bodies_.size()) - 1;
 }
 

@@ -33,6 +33,14 @@ struct BodyGeometry {
   ParametricPose X_FG;
 };
 
+/// How the mass of a body is spread, in the body's own frame B.
+struct MassSpread {
+  ParametricPose X_FB;                                ///< B in the frame the body moves with
+  AffineVector r_com;                                 ///< centre of mass in B [m]
+  bool evenly = true;                                 ///< over the collision shapes: `inertia` is not looked at
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre of mass, axes of B [kg m^2]
+};
+
 /// A rigid piece of the arm.
 struct Body {
   std::string name;
@@ -40,6 +48,7 @@ struct Body {
   int frame = 0;    ///< frame it moves with: 0 fixed to the world, j + 1 moves with joint j
   AffineScalar mass;  ///< [kg]
   std::vector<BodyGeometry> geometries;
+  MassSpread spread;  ///< see `inertial` (inertial.hpp)
 };
 
 /// Which pairs of bodies are never compared for self-collision ("neighbours", Timor's `ignore_collisions`).
@@ -101,8 +110,10 @@ class ChainBuilder {
   /// `parent`, `child`: the bodies it connects (indices given by `body`), for the neighbour rule; -1: none.
   /// Throws std::invalid_argument for limits that are reversed or NaN.
   ChainBuilder& joint(Joint joint, int parent = -1, int child = -1);
-  /// Adds a body that moves with the current frame; its geometries are given in the current frame. Returns its index.
-  int body(std::string name, int module, AffineScalar mass, std::vector<BodyGeometry> geometries);
+  /// Adds a body that moves with the current frame; its geometries, and X_FB of `spread`, are given in the current frame.
+  /// Returns its index.
+  int body(std::string name, int module, AffineScalar mass, std::vector<BodyGeometry> geometries,
+           MassSpread spread = {});
   /// Ends the chain: the current frame is the tip.
   [[nodiscard]] Chain build(NeighbourRule rule = NeighbourRule::kViaJoint) const;
 

@@ -34,7 +34,8 @@ struct Capsule {
 struct TriangleMesh {
   std::vector<Eigen::Vector3d> vertices;   ///< [m]
   std::vector<Eigen::Vector3i> triangles;  ///< indices into `vertices`
-  std::string source;                      ///< file it came from, for messages and pages
+  std::string source;                      ///< file it came from, for messages, pages and files that refer to it
+  Eigen::Vector3d scale = Eigen::Vector3d::Ones();  ///< by which the numbers of that file were multiplied
 };
 
 /// A mesh as a shape. It is a surface: something wholly inside a closed mesh does not touch it.

@@ -71,6 +71,7 @@ std::shared_ptr<const TriangleMesh> load_mesh(const std::filesystem::path& file,
     if (!vertex.allFinite()) throw std::runtime_error("holds a vertex that is not finite");
   }
   mesh->source = file.string();
+  mesh->scale = scale;
   return mesh;
 }
 

@@ -252,7 +252,8 @@ class Assembly {
       geometry = {geometry.shape.shifted(shift_), X_FB * geometry.X_FG.shifted(shift_)};
     }
     builder_.body(fmt::format("{}.{}.{}", placement + 1, module.id, body.id), placement, body.mass.shifted(shift_),
-                  std::move(geometries));
+                  std::move(geometries),
+                  {X_FB, body.r_com.shifted(shift_), body.uniform_inertia, body.inertia});
     ++n_bodies_;
   }
 
