@@ -35,7 +35,7 @@ TEST(ProblemFile, KnowsTheReferenceScenariosById) {
 
 TEST(ProblemFile, OfEveryBuiltInProblemIsNamedAsItsTask) {
   for (const std::string& id : builtin_problems()) EXPECT_EQ(load_problem(id)->task().name(), id);
-  EXPECT_THAT(builtin_libraries(), ElementsAre("seed", "seed/short"));
+  EXPECT_THAT(builtin_libraries(), ElementsAre("seed", "seed/short", "workshop"));
 }
 
 TEST(ProblemFile, OfTheHarderFamiliesDifferInLengthsGoalsAndClutter) {
