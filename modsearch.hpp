@@ -46,6 +46,7 @@
 #include <modsearch/problem/smooth_program.hpp>
 #include <modsearch/problem/task.hpp>
 #include <modsearch/problem/task_program.hpp>
+#include <modsearch/problem/urdf.hpp>
 #include <modsearch/rl/acting.hpp>
 #include <modsearch/rl/action_model.hpp>
 #include <modsearch/rl/action_values.hpp>
