@@ -156,23 +156,28 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> Arm::tip_jacobian_x(const Posture& post
 }
 
 Eigen::MatrixXd Arm::tip_hessian(const Posture& posture, const Eigen::Vector3d& y) const {
+  return point_hessian(posture, n_joints(), chain_->segment(n_joints()), y);
+}
+
+Eigen::MatrixXd Arm::point_hessian(const Posture& posture, int frame, const ParametricPose& X_FP,
+                                   const Eigen::Vector3d& y) const {
   const int n_x = chain_->n_parameters();
   const int n_q = n_joints();
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n_x + n_q, n_x + n_q);
-  const Eigen::Vector3d p_WE = posture.tip.translation();
-  const Eigen::Matrix3Xd J_q = point_jacobian_q(posture, n_q, p_WE);
-  // Only what lies beyond a turn turns with it; walk from the tip inwards and add up the parameters' parts.
+  const Eigen::Vector3d p_WP = posture.frames[static_cast<std::size_t>(frame)] * X_FP.at(x_).translation();
+  const Eigen::Matrix3Xd J_q = point_jacobian_q(posture, frame, p_WP);
+  // Only what lies beyond a turn turns with it; walk from the point inwards and add up the parameters' parts.
   Eigen::Matrix3Xd J_x_beyond = Eigen::Matrix3Xd::Zero(3, n_x);
   std::vector<ParameterMove> moves;
-  const auto pass_segment = [&](int j) {
+  const auto pass = [&](const ParametricPose& X, int j) {
     const Eigen::Isometry3d& X_WF = posture.frames[static_cast<std::size_t>(j)];
     moves.clear();
-    chain_->segment(j).for_each_move(x_, [&](const ParameterMove& move) { moves.push_back(move); });
+    X.for_each_move(x_, [&](const ParameterMove& move) { moves.push_back(move); });
     for (auto move = moves.rbegin(); move != moves.rend(); ++move) {
-      const Eigen::Vector3d velocity = move->velocity(X_WF, p_WE);
+      const Eigen::Vector3d velocity = move->velocity(X_WF, p_WP);
       if (move->turns) {
         const Eigen::Vector3d w = y.cross(X_WF.linear() * move->direction);
-        for (int k = j; k < n_q; ++k) {
+        for (int k = j; k < frame; ++k) {
           H(move->parameter, n_x + k) += w.dot(J_q.col(k));
           H(n_x + k, move->parameter) = H(move->parameter, n_x + k);
         }
@@ -184,17 +189,18 @@ Eigen::MatrixXd Arm::tip_hessian(const Posture& posture, const Eigen::Vector3d& 
       J_x_beyond.col(move->parameter) += velocity;
     }
   };
-  for (int i = n_q - 1; i >= 0; --i) {
-    pass_segment(i + 1);
-    if (!chain_->joints()[static_cast<std::size_t>(i)].rotates()) continue;
-    // y . (axis x v) = (y x axis) . v
-    const Eigen::Vector3d w = y.cross(posture.axis(i));
-    for (int j = i; j < n_q; ++j) H(n_x + i, n_x + j) = H(n_x + j, n_x + i) = w.dot(J_q.col(j));
-    const Eigen::VectorXd mixed = J_x_beyond.transpose() * w;
-    H.row(n_x + i).head(n_x) += mixed;
-    H.col(n_x + i).head(n_x) += mixed;
+  pass(X_FP, frame);
+  for (int i = frame - 1; i >= 0; --i) {
+    if (chain_->joints()[static_cast<std::size_t>(i)].rotates()) {
+      // y . (axis x v) = (y x axis) . v
+      const Eigen::Vector3d w = y.cross(posture.axis(i));
+      for (int j = i; j < frame; ++j) H(n_x + i, n_x + j) = H(n_x + j, n_x + i) = w.dot(J_q.col(j));
+      const Eigen::VectorXd mixed = J_x_beyond.transpose() * w;
+      H.row(n_x + i).head(n_x) += mixed;
+      H.col(n_x + i).head(n_x) += mixed;
+    }
+    pass(chain_->segment(i), i);
   }
-  pass_segment(0);
   return H;
 }
 

@@ -6,7 +6,7 @@ namespace modsearch {
 
 /// Where every frame of an arm is, for one q.
 struct Posture {
-  std::vector<Eigen::Isometry3d> frames;  ///< X_WF [n_joints + 1], see Chain
+  std::vector<Eigen::Isometry3d> frames;                  ///< X_WF [n_joints + 1], see Chain
   Eigen::Isometry3d tip = Eigen::Isometry3d::Identity();  ///< X_WE
 
   /// Axis of joint j in the world, unit length, and a point on it [m].
@@ -55,6 +55,9 @@ class Arm {
   [[nodiscard]] Eigen::Matrix<double, 6, Eigen::Dynamic> tip_jacobian_x(const Posture& posture) const;
   /// Hessian of y . (tip position) in (x, q) [n_x + n_q square], symmetric; zero between lengths (affine).
   [[nodiscard]] Eigen::MatrixXd tip_hessian(const Posture& posture, const Eigen::Vector3d& y) const;
+  /// The same for the origin of a frame P that moves with `frame` and is placed there by parameters.
+  [[nodiscard]] Eigen::MatrixXd point_hessian(const Posture& posture, int frame, const ParametricPose& X_FP,
+                                              const Eigen::Vector3d& y) const;
 
   /// No posture puts the tip farther than this from the axis origin of the first joint (the base, without joints) [m].
   [[nodiscard]] double reach() const;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <modsearch/kinematics/edge_checker_internal.hpp>
+#include <modsearch/kinematics/joint_box_internal.hpp>
 #include <modsearch/kinematics/path_planning.hpp>
 #include <modsearch/kinematics/rrt_connect_internal.hpp>
 #include <modsearch/kinematics/shortcut_internal.hpp>
-#include <numbers>
 #include <stdexcept>
 
 namespace modsearch {
@@ -34,32 +34,6 @@ bool within_limits(const Chain& chain, const Eigen::VectorXd& q) {
     if (q[j] < joint.lower || q[j] > joint.upper) return false;
   }
   return true;
-}
-
-// Where to plan: finite, holds start and goal, lies within the limits.
-struct JointBox {
-  Eigen::VectorXd lower;
-  Eigen::VectorXd upper;
-};
-
-JointBox planning_box(const Chain& chain, const Eigen::VectorXd& q_start, const Eigen::VectorXd& q_goal) {
-  // Two turns show a joint that turns every posture and a way round either side; a joint that slides without limits
-  // gets a metre either way.
-  constexpr double kTurn = 2.0 * std::numbers::pi;
-  constexpr double kSlide = 1.0;
-  JointBox box{chain.lower_limits(), chain.upper_limits()};
-  for (Eigen::Index j = 0; j < q_start.size(); ++j) {
-    const bool rotates = chain.joints()[static_cast<std::size_t>(j)].rotates();
-    const double least = std::min(q_start[j], q_goal[j]);
-    const double greatest = std::max(q_start[j], q_goal[j]);
-    if (rotates) {
-      box.lower[j] = std::max(box.lower[j], std::min(-kTurn, least));
-      box.upper[j] = std::min(box.upper[j], std::max(kTurn, greatest));
-    }
-    if (!std::isfinite(box.lower[j])) box.lower[j] = least - kSlide;
-    if (!std::isfinite(box.upper[j])) box.upper[j] = greatest + kSlide;
-  }
-  return box;
 }
 
 bool path_free(const std::vector<Eigen::VectorXd>& waypoints, EdgeChecker& checker) {

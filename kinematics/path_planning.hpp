@@ -8,7 +8,8 @@ namespace modsearch {
 
 /// A motion through joint space: straight lines between consecutive rows.
 struct Path {
-  Eigen::MatrixXd waypoints;  ///< [n_waypoints x n_joints], rad and m; empty: no path
+  Eigen::MatrixXd waypoints;    ///< [n_waypoints x n_joints], rad and m; empty: no path
+  std::vector<double> times{};  ///< of the waypoints, not falling [s]; empty: as fast as the joints may
 };
 
 enum class PlanStatus {

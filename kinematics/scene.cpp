@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <modsearch/kinematics/scene.hpp>
 #include <modsearch/kinematics/self_pairs_internal.hpp>
 #include <stdexcept>
@@ -55,7 +57,52 @@ void check_pose(const Eigen::Isometry3d& X_WG) {
   }
 }
 
+void check_motion(const Keyframes& motion) {
+  if (motion.times.size() != motion.X_WO.size()) {
+    throw std::invalid_argument(fmt::format("{} times for {} poses", motion.times.size(), motion.X_WO.size()));
+  }
+  for (std::size_t i = 0; i < motion.times.size(); ++i) {
+    if (!std::isfinite(motion.times[i]) || (i > 0 && motion.times[i] <= motion.times[i - 1])) {
+      throw std::invalid_argument(
+          fmt::format("time {} is {} s, must be finite and later than the one before it", i, motion.times[i]));
+    }
+    check_pose(motion.X_WO[i]);
+  }
+}
+
+// Keyframe i and i + 1 are those around time t, which lies between the first and the last.
+std::size_t keyframe_before(const Keyframes& motion, double t) {
+  const auto after = std::upper_bound(motion.times.begin(), motion.times.end() - 1, t);
+  return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, after - motion.times.begin() - 1));
+}
+
 }  // namespace
+
+Eigen::Isometry3d Keyframes::at(double t) const {
+  if (times.empty()) return Eigen::Isometry3d::Identity();
+  if (t <= times.front()) return X_WO.front();
+  if (t >= times.back()) return X_WO.back();
+  const std::size_t i = keyframe_before(*this, t);
+  const double part = (t - times[i]) / (times[i + 1] - times[i]);
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.linear() = Eigen::Quaterniond{X_WO[i].linear()}
+                   .slerp(part, Eigen::Quaterniond{X_WO[i + 1].linear()})
+                   .normalized()
+                   .toRotationMatrix();
+  X.translation() = X_WO[i].translation() + part * (X_WO[i + 1].translation() - X_WO[i].translation());
+  return X;
+}
+
+double Keyframes::fastest(double reach, double from, double to) const {
+  double result = 0.0;
+  for (std::size_t i = 0; i + 1 < times.size(); ++i) {
+    if (times[i + 1] <= from || times[i] >= to) continue;
+    const double angle = Eigen::Quaterniond{X_WO[i].linear()}.angularDistance(Eigen::Quaterniond{X_WO[i + 1].linear()});
+    const double way = (X_WO[i + 1].translation() - X_WO[i].translation()).norm() + angle * reach;
+    result = std::max(result, way / (times[i + 1] - times[i]));
+  }
+  return result;
+}
 
 Scene::Scene(std::vector<Obstacle> obstacles) : obstacles_{std::move(obstacles)} {
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
@@ -68,9 +115,17 @@ Scene::Scene(std::vector<Obstacle> obstacles) : obstacles_{std::move(obstacles)}
         throw std::invalid_argument(
             fmt::format("Scene: obstacle {} ('{}'), shape {}: {}", i, obstacles_[i].name, s, error.what()));
       }
+      if (obstacles_[i].moves()) continue;
       placed_.push_back({static_cast<int>(i), static_cast<int>(s),
                          bounding_capsule(placed.shape, bounding_radius(placed.shape), placed.X_FG)});
     }
+    try {
+      check_motion(obstacles_[i].motion);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(
+          fmt::format("Scene: obstacle {} ('{}'), motion: {}", i, obstacles_[i].name, error.what()));
+    }
+    any_moves_ = any_moves_ || obstacles_[i].moves();
   }
 }
 

@@ -10,10 +10,24 @@
 
 namespace modsearch {
 
-/// Something the arm must not touch, fixed in the world.
+/// How something moves: poses at times, in between the position on a straight line and the rotation about one axis,
+/// both at constant speed; before the first and after the last it rests.
+struct Keyframes {
+  std::vector<double> times;              ///< [s], rising
+  std::vector<Eigen::Isometry3d> X_WO{};  ///< at these times
+
+  [[nodiscard]] Eigen::Isometry3d at(double t) const;
+  /// No point within `reach` [m] of the origin of O moves faster than this between times `from` and `to` [m/s].
+  [[nodiscard]] double fastest(double reach, double from, double to) const;
+};
+
+/// Something the arm must not touch: fixed in the world, or moving as a whole.
 struct Obstacle {
   std::string name;
-  std::vector<PlacedShape> shapes;  ///< placed in the world: X_FG is X_WG
+  std::vector<PlacedShape> shapes;  ///< X_FG is X_OG; O is the world where the obstacle is fixed
+  Keyframes motion{};               ///< no keyframes: fixed
+
+  [[nodiscard]] bool moves() const { return !motion.times.empty(); }
 };
 
 /// Where an arm and a scene (or an arm and itself) come closest.
@@ -26,17 +40,21 @@ struct Contact {
 
 /// The obstacles around an arm. Immutable; safe to share between threads.
 ///
+/// Whatever does not take a time looks at the obstacles that do not move; `space_time.hpp` looks at the others.
+///
 /// Every pair of shapes is first compared by capsules around them; only pairs these cannot part reach the exact test,
 /// so the answers are those of the exact test alone. Pairs go in a fixed order: arm geometries, obstacles, their
 /// shapes.
 class Scene {
  public:
   Scene() = default;
-  /// Throws std::invalid_argument, naming the obstacle, for a shape that `check` refuses and for a pose that is not
-  /// finite or whose rotation is none.
+  /// Throws std::invalid_argument, naming the obstacle, for a shape that `check` refuses, for a pose that is not finite
+  /// or whose rotation is none, and for keyframes whose times do not rise or are not as many as their poses.
   explicit Scene(std::vector<Obstacle> obstacles);
 
   [[nodiscard]] const std::vector<Obstacle>& obstacles() const { return obstacles_; }
+  [[nodiscard]] bool any_moves() const { return any_moves_; }
+  [[nodiscard]] bool any_rests() const { return !placed_.empty(); }
 
   /// Least signed distance between any body of the arm at `posture` and any obstacle [m]; negative: overlap; +inf:
   /// nothing to compare. `work.distances` counts the pairs that the capsules could not part.
@@ -62,7 +80,8 @@ class Scene {
   [[nodiscard]] const PlacedShape& shape_of(const Placed& placed) const;
 
   std::vector<Obstacle> obstacles_;
-  std::vector<Placed> placed_;  // every shape of every obstacle, in order
+  std::vector<Placed> placed_;  // every shape of every obstacle that does not move, in order
+  bool any_moves_ = false;
 };
 
 /// Least signed distance between two bodies of the arm that are not neighbours (Chain::self_pairs) [m]; +inf: no pairs.
