@@ -18,8 +18,12 @@ Rank::Level level(const Attempt& attempt) {
     case Failure::kIncomplete:
       return Level::kIncomplete;
     case Failure::kNone:
+    case Failure::kProvedInfeasible:
     case Failure::kUnreachable:
+    case Failure::kLimit:
+    case Failure::kJump:
       return Level::kMisses;
+    case Failure::kTorque:
     case Failure::kObstacle:
     case Failure::kSelfCollision:
       return Level::kCollides;
@@ -37,6 +41,7 @@ Rank rank(const Evaluation& evaluation) {
   Rank result{level(attempt), 0.0, evaluation.score};
   if (result.level == Rank::Level::kMisses) result.within = -attempt.relative_error;
   if (result.level == Rank::Level::kCollides) result.within = std::min(attempt.clearance, 0.0);
+  if (attempt.why == Failure::kTorque) result.within = std::min(result.within, 1.0 - attempt.torque_share);
   // A user's task may leave anything in there, and NaN has no order.
   if (std::isnan(result.within)) result.within = -kInfinity;
   return result;

@@ -1,7 +1,6 @@
-#include <modsearch/problem/attempt.hpp>
-
 #include <algorithm>
 #include <array>
+#include <modsearch/problem/attempt.hpp>
 #include <utility>
 
 namespace modsearch {
@@ -32,6 +31,14 @@ std::string_view name(Failure failure) {
       return "incomplete";
     case Failure::kUnreachable:
       return "unreachable";
+    case Failure::kProvedInfeasible:
+      return "proved infeasible";
+    case Failure::kLimit:
+      return "limit";
+    case Failure::kJump:
+      return "jump";
+    case Failure::kTorque:
+      return "torque";
     case Failure::kObstacle:
       return "obstacle";
     case Failure::kSelfCollision:

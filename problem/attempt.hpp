@@ -22,10 +22,15 @@ enum class Level {
 /// Why a design does not do what the task asks. Data, not an error.
 enum class Failure {
   kNone,
-  kIncomplete,       ///< the library has end effectors and the design ends without one
-  kUnreachable,      ///< no posture brings the tip into a goal's region
-  kObstacle,         ///< a body overlaps an obstacle at a goal
-  kSelfCollision,    ///< two bodies overlap at a goal
+  kIncomplete,        ///< the library has end effectors and the design ends without one
+  kProvedInfeasible,  ///< proved: the arm is too short for a goal, whatever its joints do
+  kUnreachable,       ///< no posture brings the tip into a goal's region
+  kLimit,          ///< a limit keeps the arm from it: the closest posture has a joint at its end, or a joint would have
+                   ///< to be faster along a timed trajectory than it may
+  kJump,           ///< a trajectory can only be followed by jumping to another branch of postures
+  kTorque,         ///< a joint cannot hold the arm at a goal
+  kObstacle,       ///< a body overlaps an obstacle at a goal
+  kSelfCollision,  ///< two bodies overlap at a goal
   kHomeInCollision,  ///< the motion cannot start
   kNoPath,           ///< no path was found within the planner's budget
   kNotANumber,       ///< a user's problem gave NaN
@@ -33,20 +38,25 @@ enum class Failure {
 };
 /// "none", "incomplete", "unreachable", "obstacle", ...
 [[nodiscard]] std::string_view name(Failure failure);
+inline constexpr std::size_t kFailures = static_cast<std::size_t>(Failure::kThrew) + 1;  ///< how many there are
 
 /// What came of trying to fulfil a task with an arm.
 struct Attempt {
-  bool reached = false;   ///< all goals' poses, whatever collides
-  bool achieved = false;  ///< and the collision level is met too
-  bool collides = false;  ///< the level is violated: an overlap, or no path
+  bool reached = false;                 ///< all goals' poses, whatever collides
+  bool achieved = false;                ///< and the collision level is met too
+  bool collides = false;                ///< the level is violated: an overlap, or no path
   Failure why = Failure::kUnreachable;  ///< first reason for not being achieved
-  double goal_error = 0.0;  ///< largest distance of the tip from a goal's nominal position [m]
+  double goal_error = 0.0;              ///< largest distance of the tip from a goal's nominal position [m]
   /// Mean over the goals of |t - p| / |t - b| where not reached, 0 where reached; |t - b| at least 1e-9 m.
   double relative_error = 0.0;
   double clearance = std::numeric_limits<double>::infinity();  ///< least over the goals' postures [m]; < 0: overlap
-  Eigen::MatrixXd postures;                                    ///< [n_goals x n_joints]
-  std::optional<Path> path;                                    ///< home through all goals; only at level path
-  std::vector<int> goal_waypoints;  ///< row of `path` at which each goal is passed [n_goals]
+  double torque_share = 0.0;  ///< largest share of a joint's peak torque at any posture; 0 where these are not limited
+  Eigen::MatrixXd postures;   ///< [n_goals x n_joints]
+  /// Postures at all poses of each trajectory, in the order of the steps that follow one [n_poses x n_joints].
+  std::vector<Eigen::MatrixXd> trajectories{};
+  std::optional<Path> path;           ///< home through all goals; only at level path, with times where the task has any
+  std::vector<int> goal_waypoints;    ///< row of `path` at which each goal is passed [n_goals]
+  std::vector<int> step_waypoints{};  ///< row of `path` at which each step is done [n_steps]; no steps: the goals
   Work work;
 };
 

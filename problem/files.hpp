@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <modsearch/problem/base_placement.hpp>
 #include <modsearch/problem/rng.hpp>
 #include <modsearch/problem/robot_problem.hpp>
 #include <optional>
@@ -54,7 +55,8 @@ struct TaskFile {
   std::vector<Goal> goals;
   std::shared_ptr<const Scene> scene;
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
-  double time_step = 0.01;  ///< [s]
+  std::optional<BasePlacement> base;  ///< where the base may be placed; X_WB is its nominal pose
+  double time_step = 0.01;            ///< [s]
 };
 /// Reads a task. What is not supported is named precisely in the FileError. A task without goals is a TaskFile whose
 /// `task` is null.

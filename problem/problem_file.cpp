@@ -23,8 +23,9 @@ Sampling read_sampling(const JsonCursor& cursor, const std::vector<Goal>& goals)
   cursor.expect_keys({"goal", "box", "minClearance"});
   Sampling sampling;
   sampling.goal = cursor.at("goal").text();
-  const bool known =
-      std::any_of(goals.begin(), goals.end(), [&](const Goal& goal) { return goal.id == sampling.goal; });
+  const bool known = std::any_of(goals.begin(), goals.end(), [&](const Goal& goal) {
+    return goal.id == sampling.goal && goal.type != GoalType::kFollow;
+  });
   if (!known) cursor.at("goal").fail_value("the ID of a goal of the task");
   const JsonCursor box = cursor.at("box");
   box.expect_keys({"lower", "upper"});
@@ -51,6 +52,12 @@ ProblemFile read_problem(const JsonCursor& cursor, const std::string& name) {
   result.spec.task = std::move(task.task);
   result.spec.scene = std::move(task.scene);
   result.spec.X_WB = task.X_WB;
+  if (task.base) {
+    const JsonCursor place = cursor.at("task");
+    result.spec.library = place.guard(
+        [&] { return std::make_shared<const ModuleLibrary>(with_placed_base(*result.spec.library, *task.base)); });
+    result.spec.placed_base = true;
+  }
   result.goals = std::move(task.goals);
   result.spec.time_step = task.time_step;
   result.spec.max_modules = static_cast<int>(cursor.at("maxModules").integer(1, 64));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <modsearch/problem/base_placement.hpp>
 #include <modsearch/problem/robot_problem.hpp>
 #include <modsearch/problem/task_program.hpp>
 #include <mutex>
@@ -76,12 +77,22 @@ RobotProblem RobotProblem::with_level(Level level) const {
   return RobotProblem{std::move(spec)};
 }
 
+int RobotProblem::n_modules(const Design& design) const {
+  const auto placed = static_cast<int>(design.modules.size());
+  return spec_.placed_base ? std::max(1, placed) : placed + 1;
+}
+
+Eigen::Isometry3d RobotProblem::base_pose(const Design& design) const {
+  if (!spec_.placed_base || design.modules.empty()) return spec_.X_WB;
+  return spec_.X_WB * placement_of(library().type(design.modules.front().type), design.modules.front().parameters);
+}
+
 std::vector<Fidelity> RobotProblem::stages() const {
   switch (spec_.level) {
     case Level::kNone:
       return {Fidelity::kFull};
     case Level::kPosture:
-      if (scene().obstacles().empty()) return {Fidelity::kFull};
+      if (!scene().any_rests()) return {Fidelity::kFull};
       return {Fidelity::kPoses, Fidelity::kFull};
     case Level::kPostureSelf:
       return {Fidelity::kPoses, Fidelity::kFull};
@@ -92,15 +103,20 @@ std::vector<Fidelity> RobotProblem::stages() const {
 }
 
 Eigen::VectorXd RobotProblem::context() const {
-  // Per obstacle shape: centre and radius of its bounding ball, in the scale of the goals' features.
+  // Per obstacle shape: centre and radius of its bounding ball, in the scale of the goals' features; of one that moves
+  // where it begins, and where it ends behind that.
   constexpr double kScale = 0.5;
   const Eigen::VectorXd goals = task().features();
   std::vector<double> numbers(goals.begin(), goals.end());
   for (const Obstacle& obstacle : scene().obstacles()) {
     for (const PlacedShape& placed : obstacle.shapes) {
-      const Eigen::Vector3d centre = kScale * placed.X_FG.translation();
-      numbers.insert(numbers.end(), centre.begin(), centre.end());
+      const auto show_centre = [&](const Eigen::Isometry3d& X_WO) {
+        const Eigen::Vector3d centre = kScale * (X_WO * placed.X_FG.translation());
+        numbers.insert(numbers.end(), centre.begin(), centre.end());
+      };
+      show_centre(obstacle.moves() ? obstacle.motion.X_WO.front() : Eigen::Isometry3d::Identity());
       numbers.push_back(kScale * bounding_radius(placed.shape));
+      if (obstacle.moves()) show_centre(obstacle.motion.X_WO.back());
     }
   }
   return Eigen::Map<Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
@@ -115,8 +131,12 @@ Evaluation RobotProblem::do_evaluate(const Design& design, Fidelity fidelity) co
   const Chain& chain_of_types = chain(types);
   const Arm arm = chain_of_types.at(design.parameters());
 
-  AttemptOptions options{
-      .level = spec_.level, .ik = spec_.ik, .planner = spec_.planner, .p_WB = spec_.X_WB.translation()};
+  AttemptOptions options{.level = spec_.level,
+                         .ik = spec_.ik,
+                         .planner = spec_.planner,
+                         .follow = {},
+                         .p_WB = base_pose(design).translation(),
+                         .time_step = spec_.time_step};
   if (fidelity == Fidelity::kScreen && options.level == Level::kPath) options.level = Level::kPostureSelf;
   if (fidelity == Fidelity::kPoses) options.level = Level::kNone;
 
@@ -130,7 +150,7 @@ Evaluation RobotProblem::do_evaluate(const Design& design, Fidelity fidelity) co
 
   double cost = library().base().cost;
   for (const int k : types) cost += library().type(k).cost;
-  evaluation.terms = spec_.scoring->terms({.modules = static_cast<int>(types.size()) + 1,
+  evaluation.terms = spec_.scoring->terms({.modules = n_modules(design),
                                            .mass = arm.mass(),
                                            .cost = cost,
                                            .reached = attempt.reached,
@@ -176,7 +196,8 @@ Optimism RobotProblem::optimism_of_prefix(std::span<const int> types, int n) con
 }
 
 Optimism RobotProblem::judged(const ReachBound& bound, int n, double least_cost) const {
-  if (bound.possible) return {spec_.scoring->bound(n + 1, bound.least_mass, least_cost), ""};
+  if (bound.possible)
+    return {spec_.scoring->bound(spec_.placed_base ? std::max(1, n) : n + 1, bound.least_mass, least_cost), ""};
   return {kProvedImpossible,
           fmt::format("a goal is {:.4g} m away from the base, and {} reach at most {:.4g} m", farthest_goal(),
                       n == 1 ? "1 module" : fmt::format("{} modules", n), bound.span)};

@@ -21,6 +21,9 @@ struct RobotProblemSpec {
   std::shared_ptr<const Scoring> scoring = std::make_shared<Algorithm1>();
   Level level = Level::kPosture;
   int max_modules = 10;  ///< in [1, 64], the base included
+  /// The base may be placed: `library` comes from with_placed_base, the first module of every design is the base
+  /// itself, with its place as its parameters, and X_WB is where all of these are 0.
+  bool placed_base = false;
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  ///< pose of the base
   double time_step = 0.01;  ///< between the rows of a trajectory in a solution file [s]; CoBRA's timeStepSize
   IkOptions ik;
@@ -30,7 +33,8 @@ struct RobotProblemSpec {
   std::shared_ptr<ChainCache> chains;
 };
 
-/// Library + scene + task + scoring: the design problem everybody uses. Keeps the chain of each type sequence it has met.
+/// Library + scene + task + scoring: the design problem everybody uses. Keeps the chain of each type sequence it has
+/// met.
 class RobotProblem final : public DesignProblem {
  public:
   /// Throws std::invalid_argument for a missing part or max_modules outside [1, 64].
@@ -38,7 +42,7 @@ class RobotProblem final : public DesignProblem {
 
   [[nodiscard]] std::string name() const override { return spec_.name; }
   [[nodiscard]] const ModuleLibrary& library() const override { return *spec_.library; }
-  [[nodiscard]] int max_modules() const override { return spec_.max_modules; }
+  [[nodiscard]] int max_modules() const override { return spec_.max_modules + (spec_.placed_base ? 1 : 0); }
   [[nodiscard]] bool staged() const override { return spec_.level == Level::kPath; }
   [[nodiscard]] std::vector<Fidelity> stages() const override;
   [[nodiscard]] Eigen::VectorXd context() const override;
@@ -51,6 +55,10 @@ class RobotProblem final : public DesignProblem {
   [[nodiscard]] const RobotProblemSpec& spec() const { return spec_; }
   [[nodiscard]] const Task& task() const { return *spec_.task; }
   [[nodiscard]] const Scene& scene() const { return *spec_.scene; }
+  /// #module of a design, the base included.
+  [[nodiscard]] int n_modules(const Design& design) const;
+  /// Where the base of a design stands.
+  [[nodiscard]] Eigen::Isometry3d base_pose(const Design& design) const;
   /// The same problem with another collision level.
   [[nodiscard]] RobotProblem with_level(Level level) const;
 

@@ -40,7 +40,11 @@ std::shared_ptr<const RobotProblem> ProblemFile::instance(Instance instance) con
   goal->region = PoseRegion{X_WN, goal->region.tolerances()};
 
   RobotProblemSpec drawn = spec;
-  drawn.task = std::make_shared<const GoalTask>(std::string{spec.task->name()}, std::move(moved), spec.task->home());
+  GoalTaskSpec task{.name = std::string{spec.task->name()}, .goals = std::move(moved), .home = spec.task->home()};
+  task.steps.assign(spec.task->steps().begin(), spec.task->steps().end());
+  task.any_order = spec.task->any_order();
+  task.statics = spec.task->statics();
+  drawn.task = std::make_shared<const GoalTask>(std::move(task));
   return std::make_shared<const RobotProblem>(std::move(drawn));
 }
 

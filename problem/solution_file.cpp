@@ -20,17 +20,24 @@ ordered_json rows(const Eigen::MatrixXd& matrix) {
   return list;
 }
 
-/// CoBRA's description of the assembly: modules by number, base first, and the connectors that join them.
-void add_assembly(const ModuleLibrary& library, const Design& design, ordered_json& out) {
+/// CoBRA's description of the assembly: modules by number, base first, and the connectors that join them. What a placed
+/// base stands on is no module there.
+void add_assembly(const RobotProblem& problem, const Design& design, ordered_json& out) {
+  const ModuleLibrary& library = problem.library();
   const std::vector<int> types = design.types();
-  out["moduleOrder"] = ordered_json::array({library.base().id});
+  const auto connections = library.connections(types);
+  const bool placed = problem.spec().placed_base;
+  const std::size_t first = placed ? 1 : 0;
+  out["moduleOrder"] = ordered_json::array();
+  if (!placed) out["moduleOrder"].push_back(library.base().id);
   for (const int k : types) out["moduleOrder"].push_back(library.type(k).id);
   out["moduleConnection"] = ordered_json::array();
-  const auto connections = library.connections(types);
-  for (std::size_t i = 0; i < connections.size(); ++i) {
-    out["moduleConnection"].push_back({i, connections[i].first, i + 1, connections[i].second});
+  for (std::size_t i = first; i < connections.size(); ++i) {
+    out["moduleConnection"].push_back({i - first, connections[i].first, i + 1 - first, connections[i].second});
   }
-  out["baseConnection"] = ordered_json::array({ordered_json::array({0, library.ground_connector()})});
+  const bool stands = !placed || !connections.empty();
+  out["baseConnection"] = ordered_json::array();
+  if (stands) out["baseConnection"].push_back({0, placed ? connections[0].second : library.ground_connector()});
 }
 
 /// The motion home -> goals, sampled at the task's time step.
@@ -39,9 +46,10 @@ ordered_json trajectory(const RobotProblem& problem, const SolutionRecord& recor
   const Chain& chain = problem.chain(record.design.types());
   const detail::TimedPath timed = detail::timed(chain, *attempt.path, problem.spec().time_step);
   ordered_json goal_times = ordered_json::object();
-  const std::span<const Goal> goals = problem.task().goals();
-  for (std::size_t i = 0; i < goals.size() && i < attempt.goal_waypoints.size(); ++i) {
-    goal_times[goals[i].id] = timed.times[timed.rows_of_waypoints[static_cast<std::size_t>(attempt.goal_waypoints[i])]];
+  const std::vector<TaskStep> steps = steps_of(problem.task());
+  const std::vector<int>& done = attempt.step_waypoints.empty() ? attempt.goal_waypoints : attempt.step_waypoints;
+  for (std::size_t i = 0; i < steps.size() && i < done.size(); ++i) {
+    goal_times[steps[i].id] = timed.times[timed.rows_of_waypoints[static_cast<std::size_t>(done[i])]];
   }
   return {{"t", timed.times}, {"q", rows(timed.q)}, {"goal2time", std::move(goal_times)}};
 }
@@ -84,7 +92,7 @@ std::string solution_to_json(const RobotProblem& problem, const SolutionRecord& 
     out["instance"] = {{"seed", record.instance->seed}, {"index", record.instance->index}};
     if (record.target) out["instance"]["target"] = detail::to_json(Eigen::VectorXd(*record.target));
   }
-  add_assembly(problem.library(), record.design, out);
+  add_assembly(problem, record.design, out);
   out["basePose"] = ordered_json::array({detail::to_json(record.X_WB)});
   out["design"] = detail::to_json(problem.library(), record.design);
   out["score"] = finite_or_null(evaluation.score);

@@ -49,21 +49,24 @@ void check_target(const JsonCursor& root, const SolutionRecord& record, const Ro
   }
 }
 
-void check_module_order(const JsonCursor& order, const ModuleLibrary& library, const Design& design) {
+void check_module_order(const JsonCursor& order, const RobotProblem& problem, const Design& design) {
+  const ModuleLibrary& library = problem.library();
+  std::vector<std::string> ids;
+  if (!problem.spec().placed_base) ids.push_back(library.base().id);  // a placed one is among the modules
+  for (const int k : design.types()) ids.push_back(library.type(k).id);
   const std::vector<JsonCursor> entries = order.items();
-  if (entries.size() != design.modules.size() + 1) {
-    order.fail(
-        fmt::format("has {} modules where the design has {} with its base", entries.size(), design.modules.size() + 1));
+  if (entries.size() != ids.size()) {
+    order.fail(fmt::format("has {} modules where the design has {} with its base", entries.size(), ids.size()));
   }
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    const std::string& id = i == 0 ? library.base().id : library.type(design.modules[i - 1].type).id;
-    if (entries[i].text() != id) entries[i].fail_value(fmt::format("\"{}\", the module of the design", id));
+    if (entries[i].text() != ids[i]) entries[i].fail_value(fmt::format("\"{}\", the module of the design", ids[i]));
   }
 }
 
 /// [module, connector, module, connector] by numbers and IDs: each module hangs on the one before it.
-void check_connections(const JsonCursor& list, const ModuleLibrary& library, const Design& design) {
-  const auto expected = library.connections(design.types());
+void check_connections(const JsonCursor& list, const RobotProblem& problem, const Design& design) {
+  auto expected = problem.library().connections(design.types());
+  if (problem.spec().placed_base && !expected.empty()) expected.erase(expected.begin());  // the base's with the ground
   const std::vector<JsonCursor> entries = list.items();
   if (entries.size() != expected.size()) {
     list.fail(fmt::format("has {} connections where the design has {}", entries.size(), expected.size()));
@@ -94,13 +97,13 @@ Design design_from_order(const JsonCursor& order, const ModuleLibrary& library) 
   return design;
 }
 
-Eigen::Isometry3d read_base_pose(const JsonCursor& cursor, const RobotProblem& problem) {
+Eigen::Isometry3d read_base_pose(const JsonCursor& cursor, const RobotProblem& problem, const Design& design) {
   // CoBRA lists one pose per base.
   const Json& value = cursor.value();
   const bool listed = value.is_array() && value.size() == 1;
   const JsonCursor pose = listed ? cursor.items()[0] : cursor;
   const Eigen::Isometry3d X_WB = pose.pose();
-  if (!X_WB.isApprox(problem.spec().X_WB, kSameNumber)) {
+  if (!X_WB.isApprox(problem.base_pose(design), kSameNumber)) {
     pose.fail(fmt::format("is not where '{}' places the base (limit: within {})", problem.name(), kSameNumber));
   }
   return X_WB;
@@ -153,21 +156,23 @@ std::vector<double> read_times(const JsonCursor& cursor) {
 }
 
 /// The row of `times` at which each goal is passed.
-std::vector<int> read_goal_rows(const JsonCursor& cursor, const std::vector<double>& times,
-                                std::span<const Goal> goals) {
+std::vector<int> read_goal_rows(const JsonCursor& cursor, const std::vector<double>& times, const Task& task) {
   constexpr double kSameTime = 1e-9;
+  const std::vector<TaskStep> goals = steps_of(task);
   for (const auto& [id, value] : cursor.members()) {
-    const bool known = std::any_of(goals.begin(), goals.end(), [&id = id](const Goal& goal) { return goal.id == id; });
+    const bool known =
+        std::any_of(goals.begin(), goals.end(), [&id = id](const TaskStep& goal) { return goal.id == id; });
     if (!known) value.fail("the task has no goal with this ID");
   }
   std::vector<int> rows;
-  for (const Goal& goal : goals) {
+  for (const TaskStep& goal : goals) {
     const JsonCursor time = cursor.at(goal.id);
     const double seconds = time.number({.lower = 0.0});
     const auto after = std::lower_bound(times.begin(), times.end(), seconds - kSameTime);
     if (after == times.end() || std::abs(*after - seconds) > kSameTime) time.fail_value("one of the times in t");
     rows.push_back(static_cast<int>(after - times.begin()));
-    if (rows.size() > 1 && rows.back() < rows[rows.size() - 2]) time.fail_value("after the goal before it");
+    if (!task.any_order() && rows.size() > 1 && rows.back() < rows[rows.size() - 2])
+      time.fail_value("after the goal before it");
   }
   return rows;
 }
@@ -186,7 +191,10 @@ void read_trajectory(const JsonCursor& cursor, const RobotProblem& problem, std:
       found->fail(fmt::format("has another number of rows than q (limit {})", n_rows));
     }
   }
-  attempt.goal_waypoints = read_goal_rows(cursor.at("goal2time"), times, problem.task().goals());
+  if (is_timed(problem.task(), problem.scene())) attempt.path->times = times;
+  attempt.step_waypoints = read_goal_rows(cursor.at("goal2time"), times, problem.task());
+  // Only visits say at which row a goal is passed.
+  if (problem.task().steps().empty()) attempt.goal_waypoints = attempt.step_waypoints;
 }
 
 /// The path has to lead through the postures that the file claims for the goals.
@@ -205,9 +213,18 @@ void check_path_against_postures(const JsonCursor& root, const Attempt& attempt)
 }
 
 Failure failure_from(const JsonCursor& cursor) {
-  constexpr Failure kAll[] = {Failure::kIncomplete,    Failure::kUnreachable,     Failure::kObstacle,
-                              Failure::kSelfCollision, Failure::kHomeInCollision, Failure::kNoPath,
-                              Failure::kNotANumber, Failure::kThrew};
+  constexpr Failure kAll[] = {Failure::kIncomplete,
+                              Failure::kProvedInfeasible,
+                              Failure::kUnreachable,
+                              Failure::kLimit,
+                              Failure::kJump,
+                              Failure::kTorque,
+                              Failure::kObstacle,
+                              Failure::kSelfCollision,
+                              Failure::kHomeInCollision,
+                              Failure::kNoPath,
+                              Failure::kNotANumber,
+                              Failure::kThrew};
   const std::string text = cursor.text();
   const auto found = std::find_if(std::begin(kAll), std::end(kAll), [&](Failure each) { return name(each) == text; });
   if (found == std::end(kAll)) cursor.fail_value("the name of a reason for failure");
@@ -292,11 +309,12 @@ LoadedSolution read_solution(const JsonCursor& root, const std::optional<std::st
         .fail(fmt::format("has {} modules with the base (limit {})", record.design.modules.size() + 1,
                           problem.max_modules()));
   }
-  if (has_design && root.has("moduleOrder")) check_module_order(root.at("moduleOrder"), library, record.design);
+  if (has_design && root.has("moduleOrder")) check_module_order(root.at("moduleOrder"), problem, record.design);
   if (ours && root.has("moduleConnection")) {
-    check_connections(root.at("moduleConnection"), library, record.design);
+    check_connections(root.at("moduleConnection"), problem, record.design);
   }
-  record.X_WB = root.has("basePose") ? read_base_pose(root.at("basePose"), problem) : problem.spec().X_WB;
+  record.X_WB = root.has("basePose") ? read_base_pose(root.at("basePose"), problem, record.design)
+                                     : problem.base_pose(record.design);
 
   const auto n_joints = static_cast<std::size_t>(problem.chain(record.design.types()).n_joints());
   result.claims = ours;

@@ -1,8 +1,9 @@
-#include <modsearch/problem/task_program.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <modsearch/kinematics/low_discrepancy.hpp>
+#include <modsearch/kinematics/pose_following.hpp>
+#include <modsearch/kinematics/statics.hpp>
+#include <modsearch/problem/task_program.hpp>
 #include <numbers>
 
 namespace modsearch {
@@ -19,15 +20,12 @@ struct RowSeparation {
   bool by_balls = false;  // distance of fixed balls about the shapes' origins, a lower bound of the distance
 };
 
-RowSeparation row_separation(const Shape& a, double ball_a, const Eigen::Isometry3d& X_WA, const Shape& b, double ball_b,
-                             const Eigen::Isometry3d& X_WB) {
+RowSeparation row_separation(const Shape& a, double ball_a, const Eigen::Isometry3d& X_WA, const Shape& b,
+                             double ball_b, const Eigen::Isometry3d& X_WB) {
   const Eigen::Vector3d between = X_WA.translation() - X_WB.translation();
   const double gap = between.norm() - ball_a - ball_b;
   if (gap < kFar) return {separation(a, X_WA, b, X_WB), false};
-  return {{.distance = gap,
-           .p_WA = X_WA.translation(),
-           .p_WB = X_WB.translation(),
-           .normal_W = between.normalized()},
+  return {{.distance = gap, .p_WA = X_WA.translation(), .p_WB = X_WB.translation(), .normal_W = between.normalized()},
           true};
 }
 
@@ -133,8 +131,12 @@ TaskProgram::TaskProgram(const RobotProblem& problem, std::span<const int> types
   }
   first_clearance_row_ = n_rows();
   add_clearances(relaxation);
+  clearance_rows_per_goal_ = (n_rows() - first_clearance_row_) / n_goals;
+  first_torque_row_ = n_rows();
+  add_torques(relaxation);
+  first_link_row_ = n_rows();
+  add_trajectories();
   first_task_row_ = n_rows();
-  clearance_rows_per_goal_ = (first_task_row_ - first_clearance_row_) / n_goals;
   Sink sink{*this};
   problem.task().add_rows(sink, chain_);
 }
@@ -180,7 +182,7 @@ void TaskProgram::add_goal(int index, const Goal& goal, double margin) {
 void TaskProgram::add_clearances(const Relaxation& relaxation) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Level level = problem_.spec().level;
-  obstacle_rows_ = level != Level::kNone && !problem_.scene().obstacles().empty();
+  obstacle_rows_ = level != Level::kNone && problem_.scene().any_rests();
   self_rows_ = level == Level::kPostureSelf || level == Level::kPath;
   if (self_rows_) {
     for (const auto& [a, b] : chain_.self_pairs()) {
@@ -197,11 +199,45 @@ void TaskProgram::add_clearances(const Relaxation& relaxation) {
   std::size_t pairs = self_geometries_.size();
   if (obstacle_rows_) {
     for (const Obstacle& obstacle : problem_.scene().obstacles()) {
-      pairs += obstacle.shapes.size() * arm_.geometries().size();
+      if (!obstacle.moves()) pairs += obstacle.shapes.size() * arm_.geometries().size();
     }
   }
   for (std::size_t row = 0; row < pairs * problem_.task().goals().size(); ++row) {
     add_row(relaxation.clearance_margin, kInfinity);
+  }
+}
+
+void TaskProgram::add_torques(const Relaxation& relaxation) {
+  if (!problem_.task().statics().limited) return;
+  for (int j = 0; j < static_cast<int>(n_q_); ++j) {
+    if (std::isfinite(chain_.joints()[static_cast<std::size_t>(j)].peak_torque)) limited_joints_.push_back(j);
+  }
+  for (std::size_t goal = 0; goal < problem_.task().goals().size(); ++goal) {
+    for (const int j : limited_joints_) {
+      const double peak =
+          chain_.joints()[static_cast<std::size_t>(j)].peak_torque * (1.0 - relaxation.tolerance_margin);
+      add_row(-peak, peak);
+    }
+  }
+}
+
+void TaskProgram::add_trajectories() {
+  for (const TaskStep& step : problem_.task().steps()) {
+    if (step.kind != TaskStep::Kind::kFollow) continue;
+    for (int k = 0; k + 1 < step.n_goals; ++k) {
+      links_.push_back(step.goal + k);
+      const int from = step.knots[static_cast<std::size_t>(k)];
+      const int to = step.knots[static_cast<std::size_t>(k) + 1];
+      const std::vector<double>& times = step.trajectory->times;
+      for (const Joint& joint : chain_.joints()) {
+        double way = FollowOptions{}.largest_step * (to - from);
+        if (!times.empty()) {
+          way = std::min(
+              way, joint.velocity * (times[static_cast<std::size_t>(to)] - times[static_cast<std::size_t>(from)]));
+        }
+        add_row(-way, way);
+      }
+    }
   }
 }
 
@@ -219,7 +255,9 @@ void TaskProgram::do_evaluate(const Eigen::VectorXd& v, Values& values) {
     arm_.forward(v.data() + q_at(goal), posture_);
     goal_values(goal, values);
     if (clearance_rows_per_goal_ > 0) clearance_values(goal, values);
+    if (!limited_joints_.empty()) torque_values(goal, values);
   }
+  trajectory_values(v, values);
   for (std::size_t i = 0; i < task_rows_.size(); ++i) {
     Eigen::RowVectorXd gradient = Eigen::RowVectorXd::Zero(n);
     const Eigen::Index row = first_task_row_ + static_cast<Eigen::Index>(i);
@@ -303,9 +341,10 @@ void TaskProgram::clearance_values(int goal, Values& values) const {
       const ArmGeometry& geometry = geometries[static_cast<std::size_t>(g)];
       const Eigen::Isometry3d X_WG = pose(geometry);
       for (const Obstacle& obstacle : problem_.scene().obstacles()) {
+        if (obstacle.moves()) continue;
         for (const PlacedShape& placed : obstacle.shapes) {
-          const auto [s, by_balls] = row_separation(geometry.shape, ball(g), X_WG, placed.shape,
-                                                    bounding_radius(placed.shape), placed.X_FG);
+          const auto [s, by_balls] =
+              row_separation(geometry.shape, ball(g), X_WG, placed.shape, bounding_radius(placed.shape), placed.X_FG);
           values.rows[row] = s.distance;
           add_clearance_gradient(row, goal, g, s.p_WA, s.normal_W, !by_balls, values);
           ++row;
@@ -321,6 +360,30 @@ void TaskProgram::clearance_values(int goal, Values& values) const {
     add_clearance_gradient(row, goal, g, s.p_WA, s.normal_W, !by_balls, values);
     add_clearance_gradient(row, goal, h, s.p_WB, -s.normal_W, !by_balls, values);
     ++row;
+  }
+}
+
+void TaskProgram::torque_values(int goal, Values& values) const {
+  const StaticLoad load = load_at(problem_.task(), goal);
+  const Eigen::VectorXd torques = static_torques(arm_, posture_, load);
+  const Eigen::MatrixXd J = static_torque_jacobian(arm_, posture_, load);
+  Eigen::Index row = first_torque_row_ + goal * static_cast<Eigen::Index>(limited_joints_.size());
+  for (const int j : limited_joints_) {
+    values.rows[row] = torques[j];
+    values.jacobian.row(row).head(n_x_) = J.row(j).head(n_x_);
+    values.jacobian.row(row).segment(q_at(goal), n_q_) = J.row(j).tail(n_q_);
+    ++row;
+  }
+}
+
+void TaskProgram::trajectory_values(const Eigen::VectorXd& v, Values& values) const {
+  Eigen::Index row = first_link_row_;
+  for (const int knot : links_) {
+    for (Eigen::Index j = 0; j < n_q_; ++j, ++row) {
+      values.rows[row] = v[q_at(knot + 1) + j] - v[q_at(knot) + j];
+      values.jacobian(row, q_at(knot + 1) + j) = 1.0;
+      values.jacobian(row, q_at(knot) + j) = -1.0;
+    }
   }
 }
 
@@ -399,13 +462,17 @@ Eigen::VectorXd TaskProgram::start(int index) {
   IkOptions options = problem_.spec().ik;
   options.starts = std::min(options.starts, 4);
   options.family_points = 16;
-  options.all = obstacle_rows_ || self_rows_;
+  options.all = obstacle_rows_ || self_rows_ || !limited_joints_.empty() || !links_.empty();
   int goal = 0;
+  Eigen::VectorXd last;
   for (const Goal& wanted : problem_.task().goals()) {
-    const IkSolution ik = inverse_kinematics(arm, wanted.region, options);
+    // The knots of a trajectory stay on the branch of its first one.
+    const bool linked = std::find(links_.begin(), links_.end(), goal - 1) != links_.end();
+    const IkSolution ik =
+        linked ? nearby_posture(arm, wanted.region, last) : inverse_kinematics(arm, wanted.region, options);
     const std::size_t pick = static_cast<std::size_t>(index) % ik.postures.size();
-    v.segment(q_at(goal), n_q_) =
-        ik.postures[pick].cwiseMax(lower_.segment(q_at(goal), n_q_)).cwiseMin(upper_.segment(q_at(goal), n_q_));
+    last = ik.postures[pick].cwiseMax(lower_.segment(q_at(goal), n_q_)).cwiseMin(upper_.segment(q_at(goal), n_q_));
+    v.segment(q_at(goal), n_q_) = last;
     ++goal;
   }
   return v;

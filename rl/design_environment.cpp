@@ -33,8 +33,9 @@ RobotProblem with_goal_at(const RobotProblem& problem, const Eigen::Vector3d& p_
   Eigen::Isometry3d X_WN = goal.region.nominal();
   X_WN.translation() = p_W;
   goal.region = PoseRegion{X_WN, goal.region.tolerances()};
-  spec.task =
-      std::make_shared<const GoalTask>(std::string{spec.task->name()}, std::vector{std::move(goal)}, spec.task->home());
+  GoalTaskSpec task = dynamic_cast<const GoalTask&>(*spec.task).spec();
+  task.goals = {std::move(goal)};
+  spec.task = std::make_shared<const GoalTask>(std::move(task));
   return RobotProblem{std::move(spec)};
 }
 

@@ -1,9 +1,8 @@
-#include <modsearch/study/solution_page.hpp>
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <modsearch/study/solution_page.hpp>
 
 namespace modsearch {
 namespace {
@@ -47,26 +46,37 @@ PageShape page_shape(const Shape& shape, const Eigen::Isometry3d& X_BG) {
   return result;
 }
 
-// The path as evenly spaced joint configurations, with the sample at which each waypoint is passed.
+// The path as joint configurations, evenly spaced in time where it has times, with the sample at which each waypoint is
+// passed.
 struct Samples {
   std::vector<Eigen::VectorXd> q;
+  std::vector<double> t;  // [s]; empty where the path has no times
   std::vector<int> waypoint_sample;
 };
 
 Samples sampled(const Path& path) {
   Samples samples;
   const Eigen::MatrixXd& rows = path.waypoints;
+  const bool timed = !path.times.empty();
+  const auto length = [&](Eigen::Index i) {
+    const auto k = static_cast<std::size_t>(i);
+    return timed ? path.times[k] - path.times[k - 1] : (rows.row(i) - rows.row(i - 1)).norm();
+  };
   double total = 0.0;
-  for (Eigen::Index i = 1; i < rows.rows(); ++i) total += (rows.row(i) - rows.row(i - 1)).norm();
+  for (Eigen::Index i = 1; i < rows.rows(); ++i) total += length(i);
   constexpr double kSamples = 160.0;  // smooth at 40 pictures a second for four seconds
   const double step = std::max(total / kSamples, 1e-6);
   samples.q.emplace_back(rows.row(0).transpose());
+  if (timed) samples.t.push_back(path.times.front());
   samples.waypoint_sample.push_back(0);
   for (Eigen::Index i = 1; i < rows.rows(); ++i) {
     const Eigen::VectorXd from = rows.row(i - 1).transpose();
     const Eigen::VectorXd to = rows.row(i).transpose();
-    const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / step)));
-    for (int k = 1; k <= pieces; ++k) samples.q.emplace_back(from + (to - from) * k / pieces);
+    const int pieces = std::max(1, static_cast<int>(std::ceil(length(i) / step)));
+    for (int k = 1; k <= pieces; ++k) {
+      samples.q.emplace_back(from + (to - from) * k / pieces);
+      if (timed) samples.t.push_back(path.times[static_cast<std::size_t>(i)] - length(i) * (pieces - k) / pieces);
+    }
     samples.waypoint_sample.push_back(static_cast<int>(samples.q.size()) - 1);
   }
   return samples;
@@ -78,6 +88,8 @@ std::vector<PageMilestone> milestones(const RobotProblem& problem, const Arm& ar
   std::vector<PageMilestone> result{{"home", 0}};
   Eigen::Index row = 0;
   for (const Goal& goal : problem.task().goals()) {
+    if (goal.type == GoalType::kFollow) continue;  // too many to name
+    if (problem.task().any_order()) row = 0;
     for (; row < path.waypoints.rows(); ++row) {
       const Posture posture = arm.forward(path.waypoints.row(row).transpose());
       // A region without tolerances has no violations at all: it contains every pose.
@@ -118,11 +130,17 @@ void add_robot(Page& page, const Chain& chain, const Arm& arm, const std::vector
   }
 }
 
-void add_scene(Page& page, const RobotProblem& problem, const std::optional<Sampling>& sampling) {
+// `times` [s] of the samples: where the obstacles that move are then; without times where they begin.
+void add_scene(Page& page, const RobotProblem& problem, const std::optional<Sampling>& sampling,
+               const std::vector<double>& times) {
   for (const Obstacle& obstacle : problem.scene().obstacles()) {
     PageBody shown{.name = obstacle.name};
     for (const PlacedShape& placed : obstacle.shapes) shown.shapes.push_back(page_shape(placed.shape, placed.X_FG));
-    shown.keyframes.push_back(kPageIdentity);
+    if (!obstacle.moves()) shown.keyframes.push_back(kPageIdentity);
+    if (obstacle.moves() && times.empty()) shown.keyframes.push_back(page_pose(obstacle.motion.X_WO.front()));
+    for (const double t : times) {
+      if (obstacle.moves()) shown.keyframes.push_back(page_pose(obstacle.motion.at(t)));
+    }
     page.obstacles.push_back(std::move(shown));
   }
   for (const Goal& goal : problem.task().goals()) {
@@ -133,7 +151,6 @@ void add_scene(Page& page, const RobotProblem& problem, const std::optional<Samp
     page.targets.push_back(std::move(target));
   }
   if (sampling) page.region = PageRegion{page_point(sampling->lower), page_point(sampling->upper)};
-  page.base = page_pose(problem.spec().X_WB);
 }
 
 void add_modules(Page& page, const ModuleLibrary& library, const Design& design) {
@@ -180,10 +197,12 @@ Page page_of_solution(const RobotProblem& problem, const SolutionRecord& record,
   if (std::isfinite(attempt.clearance)) page.clearance = attempt.clearance;
   page.goal_error = attempt.goal_error;
   add_modules(page, problem.library(), record.design);
-  add_scene(page, problem, context.sampling);
+  page.base = page_pose(problem.base_pose(record.design));
+  const bool moves = context.path && context.path->waypoints.rows() > 1;
+  const Samples samples = moves ? sampled(*context.path) : Samples{};
+  add_scene(page, problem, context.sampling, samples.t);
 
-  if (context.path && context.path->waypoints.rows() > 1) {
-    const Samples samples = sampled(*context.path);
+  if (moves) {
     add_robot(page, chain, arm, samples.q);
     page.milestones = milestones(problem, arm, *context.path, samples);
   } else {

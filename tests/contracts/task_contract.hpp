@@ -34,10 +34,39 @@ inline void expect_sound_attempt(const Task& task, const Arm& arm, const Scene& 
   }
   EXPECT_TRUE(all || !attempt.reached) << "reached means that the postures show it";
   EXPECT_EQ(attempt.relative_error == 0.0, attempt.reached) << "an error that counts, exactly where a goal is missed";
+  EXPECT_TRUE(!attempt.achieved || attempt.torque_share <= 1.0);
+
+  // Trajectories: every pose, from the start to where it was left off, and no jumps.
+  std::size_t trajectory = 0;
+  for (const TaskStep& step : task.steps()) {
+    if (step.kind != TaskStep::Kind::kFollow) continue;
+    ASSERT_LT(trajectory, attempt.trajectories.size());
+    const Eigen::MatrixXd& rows = attempt.trajectories[trajectory++];
+    ASSERT_EQ(rows.rows(), static_cast<Eigen::Index>(step.trajectory->poses.size()));
+    for (Eigen::Index k = 0; k < rows.rows(); ++k) {
+      const Posture posture = arm.forward(rows.row(k).transpose());
+      EXPECT_TRUE(!attempt.reached || step.trajectory->poses[static_cast<std::size_t>(k)].contains(posture.tip));
+      if (k == 0 || arm.n_joints() == 0) continue;
+      EXPECT_LE((rows.row(k) - rows.row(k - 1)).cwiseAbs().maxCoeff(), options.follow.largest_step);
+    }
+  }
   if (attempt.path && attempt.achieved) {
     const Eigen::MatrixXd& waypoints = attempt.path->waypoints;
     EXPECT_EQ(waypoints.row(0).transpose(), home_posture(task, arm.chain())) << "a motion begins at home";
     ASSERT_EQ(attempt.goal_waypoints.size(), static_cast<std::size_t>(n_goals));
+    ASSERT_EQ(attempt.step_waypoints.size(), steps_of(task).size());
+    EXPECT_TRUE(task.any_order() || std::is_sorted(attempt.step_waypoints.begin(), attempt.step_waypoints.end()));
+    const std::vector<double>& times = attempt.path->times;
+    ASSERT_EQ(times.empty(), !is_timed(task, scene)) << "times where they matter";
+    for (std::size_t i = 1; i < times.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      EXPECT_GE(times[i], times[i - 1]);
+      for (int j = 0; j < arm.n_joints(); ++j) {
+        const double way = std::abs(waypoints(row, j) - waypoints(row - 1, j));
+        const double velocity = arm.chain().joints()[static_cast<std::size_t>(j)].velocity;
+        EXPECT_TRUE(way <= velocity * (times[i] - times[i - 1]) * (1.0 + 1e-9)) << "no joint is faster than it may be";
+      }
+    }
     for (Eigen::Index goal = 0; goal < n_goals; ++goal) {
       EXPECT_EQ(waypoints.row(attempt.goal_waypoints[static_cast<std::size_t>(goal)]), attempt.postures.row(goal));
     }
