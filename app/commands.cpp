@@ -102,12 +102,13 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   record.instance = instance;
   record.target = sampled_target(file, *problem);
   record.design = solution.design;
-  record.X_WB = problem->spec().X_WB;
+  record.X_WB = problem->base_pose(solution.design);
   record.evaluation = solution.evaluation;
   if (verification) record.verified = verification->level;
   if (verification && verification->path) {
     record.evaluation.attempt.path = verification->path;
     record.evaluation.attempt.goal_waypoints = verification->path_evaluation.attempt.goal_waypoints;
+    record.evaluation.attempt.step_waypoints = verification->path_evaluation.attempt.step_waypoints;
   }
   record.solver = chosen.name;
   record.solver_options = chosen.options;
@@ -125,6 +126,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   json["evaluations"] = solution.spent.evaluations;
   json["programEvaluations"] = solution.spent.program_evaluations;
   json["seconds"] = solution.spent.seconds;
+  json["outcomes"] = outcomes_json(solution.spent);
   json["stop"] = name(solution.stop);
   json["reason"] = solution.reason;
   if (solution.bound && std::isfinite(solution.bound->score)) {
@@ -184,6 +186,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
     }
     say("solver       {}, seed {}: {} evaluations, {:.3f} s\n", arguments.solver, arguments.seed,
         solution.spent.evaluations, solution.spent.seconds);
+    say("outcomes     {}\n", outcomes_text(solution.spent));
     say("ended        {}{}\n", name(solution.stop),
         solution.reason.empty() ? "" : fmt::format(": {}", solution.reason));
     for (const std::string& path : written) say("wrote        {}\n", path);
@@ -266,6 +269,7 @@ Status render(const RenderArguments& arguments, const CommonArguments& common) {
     loaded.record.evaluation = loaded.problem->evaluate(loaded.record.design);
     loaded.record.evaluation.attempt.path = given.path;
     loaded.record.evaluation.attempt.goal_waypoints = given.goal_waypoints;
+    loaded.record.evaluation.attempt.step_waypoints = given.step_waypoints;
   }
   const Attempt& attempt = loaded.record.evaluation.attempt;
   const std::string problem = named_problem(arguments, loaded.record);

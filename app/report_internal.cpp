@@ -33,13 +33,14 @@ nlohmann::ordered_json evaluation_json(const RobotProblem& problem, const Design
   for (const Term& term : evaluation.terms.items()) {
     json["terms"].push_back({{"name", name(term.id)}, {"value", term.value}});
   }
-  json["modules"] = design.modules.size() + 1;
+  json["modules"] = problem.n_modules(design);
   json["mass_kg"] = mass_of(problem, design);
   json["reached"] = attempt.reached;
   json["achieved"] = attempt.achieved;
   json["why"] = name(attempt.why);
   json["goalError_m"] = finite_or_null(attempt.goal_error);
   json["clearance_m"] = finite_or_null(attempt.clearance);
+  if (attempt.torque_share > 0.0) json["torqueShare"] = attempt.torque_share;
   json["design"] = nlohmann::ordered_json::parse(design_to_json(problem.library(), design));
   return json;
 }
@@ -52,9 +53,13 @@ std::string evaluation_text(const RobotProblem& problem, const Design& design, c
   for (const Term& term : evaluation.terms.items()) {
     text += fmt::format("  {:<11}{:+.6f}\n", name(term.id), term.value);
   }
-  text += fmt::format("modules      {} (with the base), {:.4f} kg\n", design.modules.size() + 1,
-                      mass_of(problem, design));
+  text +=
+      fmt::format("modules      {} (with the base), {:.4f} kg\n", problem.n_modules(design), mass_of(problem, design));
   text += fmt::format("goal error   {}\n", metres(attempt.goal_error));
+  if (attempt.torque_share > 0.0) {
+    text +=
+        fmt::format("torque       {:.0f} % of what the most burdened joint can hold\n", 100.0 * attempt.torque_share);
+  }
   if (std::isfinite(attempt.clearance)) text += fmt::format("clearance    {}\n", metres(attempt.clearance));
   return text;
 }
@@ -97,10 +102,28 @@ std::string verification_text(const Verification& verification) {
 std::string trace_csv(const std::vector<TracePoint>& trace) {
   std::string text = "evaluations,seconds,score,achieved\n";
   for (const TracePoint& point : trace) {
-    text += fmt::format("{},{:.6f},{:.17g},{}\n", point.evaluations, point.seconds, point.score,
-                        point.achieved ? 1 : 0);
+    text +=
+        fmt::format("{},{:.6f},{:.17g},{}\n", point.evaluations, point.seconds, point.score, point.achieved ? 1 : 0);
   }
   return text;
+}
+
+nlohmann::ordered_json outcomes_json(const Progress& spent) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < spent.outcomes.size(); ++i) {
+    const auto failure = static_cast<Failure>(i);
+    if (spent.outcomes[i] > 0) json[failure == Failure::kNone ? "achieved" : name(failure)] = spent.outcomes[i];
+  }
+  return json;
+}
+
+std::string outcomes_text(const Progress& spent) {
+  std::string text;
+  const nlohmann::ordered_json outcomes = outcomes_json(spent);
+  for (const auto& [outcome, count] : outcomes.items()) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count.get<std::int64_t>(), outcome);
+  }
+  return text.empty() ? "none" : text;
 }
 
 }  // namespace modsearch::app

@@ -22,4 +22,9 @@ namespace modsearch::app {
 /// The trace of a search as CSV with a header.
 [[nodiscard]] std::string trace_csv(const std::vector<TracePoint>& trace);
 
+/// How many evaluations were achieved and why the others were not: "achieved" and names of failures, those that
+/// occurred.
+[[nodiscard]] nlohmann::ordered_json outcomes_json(const Progress& spent);
+[[nodiscard]] std::string outcomes_text(const Progress& spent);
+
 }  // namespace modsearch::app

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <modsearch/solvers/meter.hpp>
@@ -10,7 +11,8 @@ namespace {
 
 // The score of `design`, or the worst there is where the problem fails; then `what` says what it had to say.
 // NaN compares false with everything: left alone, it would be neither better nor worse than any other score.
-Evaluation evaluated(const DesignProblem& problem, const Design& design, Fidelity fidelity, std::optional<std::string>& what) {
+Evaluation evaluated(const DesignProblem& problem, const Design& design, Fidelity fidelity,
+                     std::optional<std::string>& what) {
   const auto refuse = [&](Evaluation& evaluation, Failure why, const char* words) {
     evaluation.score = -std::numeric_limits<double>::infinity();
     evaluation.attempt.achieved = false;
@@ -66,6 +68,8 @@ std::optional<Evaluation> Meter::evaluate(const DesignProblem& problem, const De
   std::optional<std::string> failure;
   const Evaluation evaluation = evaluated(problem, design, fidelity, failure);
   if (failure && progress_.failed++ == 0) first_failure_ = *failure;
+  const Failure why = evaluation.attempt.achieved ? Failure::kNone : evaluation.attempt.why;
+  ++progress_.outcomes[static_cast<std::size_t>(why)];
   progress_.work += evaluation.attempt.work;
   if (fidelity == Fidelity::kFull && (!best_ || evaluation.better_than(best_->evaluation))) {
     best_ = Incumbent{design, evaluation};
@@ -104,6 +108,7 @@ void Meter::save(Archive& archive) const {
   archive.put("meter/counts",
               std::array<std::int64_t, 7>{p.evaluations, p.failed, p.program_evaluations, p.work.forward,
                                           p.work.ik_iterations, p.work.distances, p.work.planner_states});
+  archive.put("meter/outcomes", p.outcomes);
   archive.put_number("meter/seconds", p.seconds);
   archive.put_text("meter/first failure", first_failure_);
   std::vector<double> trace;
@@ -123,6 +128,9 @@ void Meter::restore(const Archive& archive, const DesignProblem& problem) {
       .failed = counts[1],
       .program_evaluations = counts[2],
       .work = {.forward = counts[3], .ik_iterations = counts[4], .distances = counts[5], .planner_states = counts[6]}};
+  const std::vector<std::int64_t> outcomes = archive.integers("meter/outcomes");
+  if (outcomes.size() != kFailures) archive.fail("meter/outcomes", "does not hold one number per outcome");
+  std::copy(outcomes.begin(), outcomes.end(), progress_.outcomes.begin());
   start_ = std::chrono::steady_clock::now() - std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                                   std::chrono::duration<double>(archive.number("meter/seconds")));
   first_failure_ = archive.text("meter/first failure");

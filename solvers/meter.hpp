@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -41,8 +42,10 @@ struct Progress {
   std::int64_t evaluations = 0;          ///< of the score
   std::int64_t failed = 0;               ///< of these, how many gave NaN or threw
   std::int64_t program_evaluations = 0;  ///< of smooth programs, with derivatives: inner work
-  Work work;                             ///< inner work behind the evaluations
-  double seconds = 0.0;                  ///< wall clock
+  /// Evaluations by what became of them: [Failure], achieved ones at Failure::kNone; they add up to `evaluations`.
+  std::array<std::int64_t, kFailures> outcomes{};
+  Work work;             ///< inner work behind the evaluations
+  double seconds = 0.0;  ///< wall clock
 };
 
 /// A design with what it is worth.

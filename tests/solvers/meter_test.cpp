@@ -4,6 +4,7 @@
 #include <deque>
 #include <modsearch/solvers/meter.hpp>
 #include <modsearch/solvers/solver.hpp>
+#include <numeric>
 #include <thread>
 
 namespace modsearch::test {
@@ -209,6 +210,18 @@ TEST(Meter, SumsTheInnerWork) {
   EXPECT_EQ(progress.work.distances, 14);
   EXPECT_EQ(progress.work.planner_states, 22);
   EXPECT_EQ(progress.program_evaluations, 9);
+}
+
+TEST(Meter, CountsWhyEvaluationsFailed) {
+  const Script problem{{{1.0, true}, {2.0, false}, {kInf, false}, {3.0, true}}};
+  Meter meter;
+  for (int i = 0; i < 4; ++i) (void)meter.evaluate(problem, kEmpty);
+  const auto outcomes = meter.progress().outcomes;
+  const auto count = [&](Failure why) { return outcomes[static_cast<std::size_t>(why)]; };
+  EXPECT_EQ(count(Failure::kNone), 2);
+  EXPECT_EQ(count(Failure::kUnreachable), 1);
+  EXPECT_EQ(count(Failure::kThrew), 1);
+  EXPECT_EQ(std::accumulate(outcomes.begin(), outcomes.end(), std::int64_t{0}), meter.progress().evaluations);
 }
 
 TEST(Meter, ShowsItselfAfterEveryEvaluationAndNowAndThenInBetween) {
