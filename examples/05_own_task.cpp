@@ -1,13 +1,13 @@
 // Step 5: a kind of task of your own. Declare the goals; the attempt, the smooth program, the bounds and the agents'
-// features follow from them, so that every solver can solve it.
-#include <iostream>
+// features follow from them, so that every solver can solve it: here Ipopt, evolution and a trained agent.
+#include <cstdio>
 #include <modsearch/modsearch.hpp>
 
 namespace {
 
 using namespace modsearch;
 
-/// Weld a seam: the tip passes `n` points on a straight line, in order, each within a millimetre.
+/// Weld a seam: the tip passes `n` points on a straight line, each within a millimetre.
 class SeamTask final : public Task {
  public:
   SeamTask(const Eigen::Vector3d& from, const Eigen::Vector3d& to, int n) : ends_(6) {
@@ -40,17 +40,35 @@ class SeamTask final : public Task {
   Eigen::VectorXd ends_;
 };
 
+void print(const RobotProblem& problem, const char* solver, const Solution& solution) {
+  std::printf("%-8s %-10.3f %-12s %-8lld %s\n", solver, solution.evaluation.score,
+              solution.evaluation.attempt.achieved ? "achieved" : "not achieved",
+              static_cast<long long>(solution.spent.evaluations),
+              to_string(problem.library(), solution.design).c_str());
+}
+
 }  // namespace
 
 int main() {
+  // 1. The task goes into a problem: a library, a scene (none here), a score.
   RobotProblemSpec spec = load_problem("seed/fixed")->spec();
   spec.name = "seam";
   spec.task = std::make_shared<SeamTask>(Eigen::Vector3d{0.9, -0.2, 1.0}, Eigen::Vector3d{0.9, 0.2, 1.0}, 5);
-  const RobotProblem problem{spec};
-  for (const Inner inner : {Inner::kOwn, Inner::kSlsqp, Inner::kIpopt}) {
-    Meter meter;
-    const Solution solution = PerSequence{{.inner = inner}}.solve(problem, meter, Rng{0});
-    std::cout << name(inner) << ": " << to_string(problem.library(), solution.design) << " scores "
-              << solution.evaluation.score << (solution.evaluation.attempt.achieved ? ", achieved" : ", not achieved") << '\n';
-  }
+  const auto problem = std::make_shared<const RobotProblem>(spec);
+  std::printf("%-8s %-10s %-12s %-8s %s\n", "solver", "score", "", "evals", "design");
+
+  // 2. Ipopt: the smooth program of each promising type sequence.
+  Meter ipopt_meter;
+  print(*problem, "ipopt", PerSequence{{.inner = Inner::kIpopt}}.solve(*problem, ipopt_meter, Rng{0}));
+
+  // 3. Evolution: nothing but scores (and a polish of its best).
+  Meter ga_meter{{.evaluations = 5000}};
+  print(*problem, "ga", GeneticAlgorithm{}.solve(*problem, ga_meter, Rng{0}));
+
+  // 4. MP-DQN: an agent that places module after module, trained on this one problem.
+  LearnerSettings settings = settings_of(AgentKind::kMpdqn, Preset::kBest);
+  Meter training_meter;
+  const Training training = AgentLearner{settings}.train([&](Rng) { return problem; }, training_meter, Rng{0});
+  Meter policy_meter;
+  print(*problem, "mpdqn", training.policy->solve(*problem, policy_meter, Rng{0}));
 }

@@ -50,7 +50,7 @@ class Trial {
   void follow(const TaskStep& step) {
     const std::vector<PoseRegion>& poses = step.trajectory->poses;
     const auto n = static_cast<double>(poses.size());
-    IkOptions ik_options = judge_.ik();
+    IkOptions ik_options = options_.ik;  // the same starts at every level
     ik_options.all = true;
     ik_options.family_points = kMostStarts;
     const IkSolution ik = inverse_kinematics(arm_, poses.front(), ik_options);
