@@ -36,9 +36,11 @@
 #include <modsearch/kinematics/work.hpp>
 #include <modsearch/problem/attempt.hpp>
 #include <modsearch/problem/base_placement.hpp>
+#include <modsearch/problem/convert.hpp>
 #include <modsearch/problem/design.hpp>
 #include <modsearch/problem/design_problem.hpp>
 #include <modsearch/problem/files.hpp>
+#include <modsearch/problem/frozen_design.hpp>
 #include <modsearch/problem/goal.hpp>
 #include <modsearch/problem/module_library.hpp>
 #include <modsearch/problem/problem_source.hpp>
@@ -52,6 +54,7 @@
 #include <modsearch/problem/task.hpp>
 #include <modsearch/problem/task_program.hpp>
 #include <modsearch/problem/urdf.hpp>
+#include <modsearch/problem/whitman.hpp>
 #include <modsearch/rl/acting.hpp>
 #include <modsearch/rl/action_model.hpp>
 #include <modsearch/rl/action_values.hpp>

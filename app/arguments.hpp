@@ -64,6 +64,22 @@ struct RenderArguments {
   std::optional<std::filesystem::path> out;
 };
 
+struct ConvertArguments {
+  std::string in;
+  std::filesystem::path out;
+  std::optional<std::string> to;
+  std::optional<std::string> library;
+};
+
+struct GenerateArguments {
+  std::string family;
+  int goals = 3;
+  int boxes = 3;
+  std::uint64_t seed = 0;
+  int count = 100;
+  std::filesystem::path out;
+};
+
 struct ListArguments {
   std::string what;  ///< "solvers", "agents", "problems" or "studies"
 };

@@ -32,7 +32,7 @@ ChosenProblem choose_problem(const std::string& name, const std::optional<Instan
   if (name.empty()) throw std::invalid_argument("PROBLEM is empty: neither a file nor the ID of a built-in problem");
   ChosenProblem chosen{load_problem_file(name), std::nullopt, nullptr};
   const Instance instance = asked.value_or(Instance{});
-  if (chosen.file.sampling) {
+  if (chosen.file.sampled()) {
     chosen.instance = instance;
   } else if (instance.seed != 0 || instance.index != 0) {
     throw std::invalid_argument(fmt::format("--instance {}:{}: {} is not sampled, so its only instance is 0:0",
@@ -309,11 +309,11 @@ Status list(const ListArguments& arguments, const CommonArguments& common) {
   } else if (arguments.what == "problems") {
     for (const std::string& id : builtin_problems()) {
       const ProblemFile file = load_problem_file(id);
-      const std::string kind = file.sampling ? "sampled" : "fixed";
+      const std::string kind = file.sampled() ? "sampled" : "fixed";
       text += fmt::format("{:<24}{:<9}level {}, library {}, at most {} modules\n", id, kind, name(file.spec.level),
                           file.spec.library->name(), file.spec.max_modules);
       json.push_back({{"id", id},
-                      {"sampled", file.sampling.has_value()},
+                      {"sampled", file.sampled()},
                       {"collision", name(file.spec.level)},
                       {"library", file.spec.library->name()},
                       {"maxModules", file.spec.max_modules}});

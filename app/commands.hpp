@@ -23,6 +23,8 @@ enum class Status {
 [[nodiscard]] Status evaluate(const EvaluateArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status verify_solution(const VerifyArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status render(const RenderArguments& arguments, const CommonArguments& common);
+[[nodiscard]] Status convert(const ConvertArguments& arguments, const CommonArguments& common);
+[[nodiscard]] Status generate(const GenerateArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status list(const ListArguments& arguments, const CommonArguments& common);
 
 /// What the commands print may still wait in a buffer: throws FileError if it cannot be written, say to a full disk.

@@ -32,6 +32,8 @@ struct Arguments {
   EvaluateArguments evaluate;
   VerifyArguments verify;
   RenderArguments render;
+  ConvertArguments convert;
+  GenerateArguments generate;
   ListArguments list;
 };
 
@@ -152,6 +154,25 @@ void describe(CLI::App& app, Arguments& a) {
   render.add_option("--out", a.render.out, "folder for view.html; without it the page goes to stdout");
   add_common(render, a.common, "modsearch render out/solution.json --out out/");
 
+  CLI::App& convert = *app.add_subcommand("convert", "write a library, task, problem, solution or design otherwise");
+  convert.add_option("IN", a.convert.in, "file, or the ID of a built-in library or problem; its kind is seen")->required();
+  convert.add_option("OUT", a.convert.out, "file to write; what it refers to is named relative to it")->required();
+  convert.add_option("--to", a.convert.to, "default: urdf where OUT ends so, else modsearch")
+      ->check(CLI::IsMember({"modsearch", "timor", "cobra", "urdf"}));
+  convert.add_option("--library", a.convert.library, "library, file or ID, of a design that names none");
+  add_common(convert, a.common, "modsearch convert out/solution.json arm.urdf");
+
+  CLI::App& generate = *app.add_subcommand("generate", "write tasks of a family, each with its problem");
+  generate.add_option("FAMILY", a.generate.family, "whitman: poses to reach among boxes")
+      ->required()
+      ->check(CLI::IsMember({"whitman"}));
+  add_count(generate, "--goals", a.generate.goals, "goals of each task (default 3)");
+  add_count(generate, "--boxes", a.generate.boxes, "boxes of each task (default 3)");
+  add_seed(generate, a.generate.seed, "of the family (default 0)");
+  add_count(generate, "--count", a.generate.count, "number of tasks (default 100)");
+  generate.add_option("--out", a.generate.out, "folder for task_000.json, problem_000.json, ..")->required();
+  add_common(generate, a.common, "modsearch generate whitman --goals 3 --boxes 3 --seed 0 --count 100 --out tasks/");
+
   CLI::App& list = *app.add_subcommand("list", "what there is, with options and defaults");
   list.add_option("WHAT", a.list.what, "solvers, agents, problems or studies")
       ->required()
@@ -179,6 +200,8 @@ Status run(const CLI::App& app, const Arguments& a) {
   if (app.got_subcommand("evaluate")) return evaluate(a.evaluate, a.common);
   if (app.got_subcommand("verify")) return verify_solution(a.verify, a.common);
   if (app.got_subcommand("render")) return render(a.render, a.common);
+  if (app.got_subcommand("convert")) return convert(a.convert, a.common);
+  if (app.got_subcommand("generate")) return generate(a.generate, a.common);
   return list(a.list, a.common);
 }
 

@@ -36,12 +36,21 @@ struct Sampling {
   double min_clearance = 0.0;  ///< a target closer to an obstacle than this is drawn again [m]
 };
 
+/// A family of generated tasks (whitman.hpp).
+struct WhitmanTasks {
+  int goals = 3;
+  int boxes = 3;
+};
+
 /// A problem file: one problem, or a distribution of instances.
 struct ProblemFile {
   RobotProblemSpec spec;
   std::vector<Goal> goals;  ///< of the task; the sampled one at its nominal place
   std::optional<Sampling> sampling;
+  std::optional<WhitmanTasks> whitman;  ///< the tasks are generated; `spec` and `goals` are those of instance 0:0
 
+  /// A distribution of instances.
+  [[nodiscard]] bool sampled() const { return sampling.has_value() || whitman.has_value(); }
   /// The problem itself, or instance `instance` of it: equal on every machine.
   /// Throws std::runtime_error if 10 000 draws in a row are too close to an obstacle.
   [[nodiscard]] std::shared_ptr<const RobotProblem> instance(Instance instance = {}) const;

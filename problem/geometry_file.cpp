@@ -38,6 +38,10 @@ std::shared_ptr<const TriangleMesh> read_mesh(const JsonCursor& parameters) {
     }
   }
   const std::filesystem::path path = file.source().directory / file.text();
+  if (!file.source().open_meshes) {
+    const std::vector<Eigen::Vector3d> corners{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
+    return std::make_shared<const TriangleMesh>(TriangleMesh{corners, {{0, 1, 2}}, path.string(), scale});
+  }
   try {
     return load_mesh(path, scale);
   } catch (const std::runtime_error& error) {

@@ -23,6 +23,7 @@ using Json = nlohmann::json;
 struct JsonSource {
   std::string label;                ///< the file the user gave; "given -> referred" for one that another refers to
   std::filesystem::path directory;  ///< relative paths in the document start here
+  bool open_meshes = true;          ///< else one triangle stands in for each
 };
 
 /// What a number may be; both ends belong to it. Infinity is never allowed unless said so.

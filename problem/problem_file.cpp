@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <modsearch/problem/readers_internal.hpp>
+#include <modsearch/problem/whitman.hpp>
 
 namespace modsearch {
 namespace detail {
@@ -41,12 +42,26 @@ Sampling read_sampling(const JsonCursor& cursor, const std::vector<Goal>& goals)
   return sampling;
 }
 
+WhitmanTasks read_whitman(const JsonCursor& cursor) {
+  cursor.expect_keys({"whitman"});
+  const JsonCursor given = cursor.at("whitman");
+  given.expect_keys({"goals", "boxes"});
+  const WhitmanTasks tasks{.goals = static_cast<int>(given.at("goals").integer(1, 20)),
+                           .boxes = static_cast<int>(given.at("boxes").integer(1, 20))};
+  return tasks;
+}
+
 ProblemFile read_problem(const JsonCursor& cursor, const std::string& name) {
   cursor.expect_keys({"modsearch", "task", "library", "maxModules", "collision", "scoring", "sampling"});
   static_cast<void>(cursor.at("modsearch").integer(1, 1));
   ProblemFile result;
   result.spec.name = name;
-  TaskFile task = read_task_of(cursor.at("task"));
+  if (const std::optional<JsonCursor> sampling = cursor.find("sampling"); sampling && sampling->has("whitman")) {
+    result.whitman = read_whitman(*sampling);
+    if (cursor.has("task")) cursor.at("task").fail("the tasks are generated, so none may be given");
+  }
+  TaskFile task =
+      result.whitman ? read_task_text(whitman_task(*result.whitman, {}), name) : read_task_of(cursor.at("task"));
   if (task.goals.empty()) cursor.at("task").fail("the task has no goals (limit: at least 1)");
   result.spec.library = read_library_of(cursor.at("library"), name);
   result.spec.task = std::move(task.task);
@@ -64,7 +79,7 @@ ProblemFile read_problem(const JsonCursor& cursor, const std::string& name) {
   constexpr Level kLevels[] = {Level::kNone, Level::kPosture, Level::kPostureSelf, Level::kPath};
   result.spec.level = kLevels[cursor.at("collision").choice({"none", "posture", "posture+self", "path"})];
   result.spec.scoring = read_scoring(cursor.at("scoring"));
-  if (const std::optional<JsonCursor> sampling = cursor.find("sampling")) {
+  if (const std::optional<JsonCursor> sampling = cursor.find("sampling"); sampling && !result.whitman) {
     result.sampling = read_sampling(*sampling, result.goals);
   }
   result.spec.chains = RobotProblem{result.spec}.spec().chains;  // shared by all instances

@@ -3,7 +3,7 @@
 namespace modsearch {
 
 ProblemSource problem_source(ProblemFile file) {
-  if (!file.sampling) return problem_source(file, Instance{});
+  if (!file.sampled()) return problem_source(file, Instance{});
   return [file = std::move(file)](Rng rng) -> std::shared_ptr<const DesignProblem> {
     const std::uint64_t seed = rng.bits();
     return file.instance({seed, rng.bits()});

@@ -22,11 +22,19 @@ void require_file_or_id(const std::filesystem::path& file, std::string_view what
                                                                      const std::string& referrer);
 
 [[nodiscard]] TaskFile read_task(const JsonCursor& cursor);
+/// The task in `text`; `label`: where it comes from, for messages.
+[[nodiscard]] TaskFile read_task_text(std::string text, const std::string& label);
 
 [[nodiscard]] std::shared_ptr<const Scoring> read_scoring(const JsonCursor& cursor);
 
 /// A list of {"type", "parameters"}.
 [[nodiscard]] Design read_design(const JsonCursor& cursor, const ModuleLibrary& library);
 [[nodiscard]] nlohmann::ordered_json to_json(const ModuleLibrary& library, const Design& design);
+
+/// The design that CoBRA's list of modules names, base first: modules without parameters.
+[[nodiscard]] Design read_module_order(const JsonCursor& order, const ModuleLibrary& library);
+/// CoBRA's description of the assembly: modules by number, base first, and the connectors that join them. What a placed
+/// base (base_placement.hpp) stands on is no module there.
+void add_assembly(const ModuleLibrary& library, const Design& design, bool placed, nlohmann::ordered_json& out);
 
 }  // namespace modsearch::detail

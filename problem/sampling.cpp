@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <modsearch/problem/files.hpp>
+#include <modsearch/problem/readers_internal.hpp>
+#include <modsearch/problem/whitman.hpp>
 #include <stdexcept>
 
 namespace modsearch {
@@ -26,6 +27,13 @@ Eigen::Vector3d draw_target(const Sampling& sampling, const Scene& scene, Instan
 }  // namespace
 
 std::shared_ptr<const RobotProblem> ProblemFile::instance(Instance instance) const {
+  if (whitman) {
+    RobotProblemSpec drawn = spec;
+    TaskFile task = detail::read_task_text(whitman_task(*whitman, instance), spec.name);
+    drawn.task = std::move(task.task);
+    drawn.scene = std::move(task.scene);
+    return std::make_shared<const RobotProblem>(std::move(drawn));
+  }
   if (!sampling) return std::make_shared<const RobotProblem>(spec);
 
   std::vector<Goal> moved = goals;

@@ -20,13 +20,11 @@ ordered_json rows(const Eigen::MatrixXd& matrix) {
   return list;
 }
 
-/// CoBRA's description of the assembly: modules by number, base first, and the connectors that join them. What a placed
-/// base stands on is no module there.
-void add_assembly(const RobotProblem& problem, const Design& design, ordered_json& out) {
-  const ModuleLibrary& library = problem.library();
+}  // namespace
+
+void detail::add_assembly(const ModuleLibrary& library, const Design& design, bool placed, ordered_json& out) {
   const std::vector<int> types = design.types();
   const auto connections = library.connections(types);
-  const bool placed = problem.spec().placed_base;
   const std::size_t first = placed ? 1 : 0;
   out["moduleOrder"] = ordered_json::array();
   if (!placed) out["moduleOrder"].push_back(library.base().id);
@@ -39,6 +37,8 @@ void add_assembly(const RobotProblem& problem, const Design& design, ordered_jso
   out["baseConnection"] = ordered_json::array();
   if (stands) out["baseConnection"].push_back({0, placed ? connections[0].second : library.ground_connector()});
 }
+
+namespace {
 
 /// The motion home -> goals, sampled at the task's time step.
 ordered_json trajectory(const RobotProblem& problem, const SolutionRecord& record) {
@@ -92,7 +92,7 @@ std::string solution_to_json(const RobotProblem& problem, const SolutionRecord& 
     out["instance"] = {{"seed", record.instance->seed}, {"index", record.instance->index}};
     if (record.target) out["instance"]["target"] = detail::to_json(Eigen::VectorXd(*record.target));
   }
-  add_assembly(problem, record.design, out);
+  detail::add_assembly(problem.library(), record.design, problem.spec().placed_base, out);
   out["basePose"] = ordered_json::array({detail::to_json(record.X_WB)});
   out["design"] = detail::to_json(problem.library(), record.design);
   out["score"] = finite_or_null(evaluation.score);

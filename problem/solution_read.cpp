@@ -79,8 +79,9 @@ void check_connections(const JsonCursor& list, const RobotProblem& problem, cons
   }
 }
 
-/// The design of a file of CoBRA's, which names modules without parameters.
-Design design_from_order(const JsonCursor& order, const ModuleLibrary& library) {
+}  // namespace
+
+Design read_module_order(const JsonCursor& order, const ModuleLibrary& library) {
   const std::vector<JsonCursor> entries = order.items();
   if (entries.empty() || entries[0].text() != library.base().id) {
     order.fail(fmt::format("does not begin with \"{}\", the base of library '{}'", library.base().id, library.name()));
@@ -96,6 +97,8 @@ Design design_from_order(const JsonCursor& order, const ModuleLibrary& library) 
   }
   return design;
 }
+
+namespace {
 
 Eigen::Isometry3d read_base_pose(const JsonCursor& cursor, const RobotProblem& problem, const Design& design) {
   // CoBRA lists one pose per base.
@@ -303,7 +306,7 @@ LoadedSolution read_solution(const JsonCursor& root, const std::optional<std::st
 
   const bool has_design = ours || root.has("design");
   record.design =
-      has_design ? read_design(root.at("design"), library) : design_from_order(root.at("moduleOrder"), library);
+      has_design ? read_design(root.at("design"), library) : read_module_order(root.at("moduleOrder"), library);
   if (static_cast<int>(record.design.modules.size()) + 1 > problem.max_modules()) {
     root.at(has_design ? "design" : "moduleOrder")
         .fail(fmt::format("has {} modules with the base (limit {})", record.design.modules.size() + 1,

@@ -400,6 +400,10 @@ TaskFile read_task(const JsonCursor& cursor) {
   return result;
 }
 
+TaskFile read_task_text(std::string text, const std::string& label) {
+  return read_task(parse_json(std::move(text), {label, {}}).cursor());
+}
+
 }  // namespace detail
 
 TaskFile load_task(const std::filesystem::path& file) { return detail::read_task(detail::load_json(file).cursor()); }

@@ -113,7 +113,7 @@ std::optional<Preset> preset_from_name(std::string_view text) {
 }
 
 ProblemTraits traits_of(const ProblemFile& file) {
-  ProblemTraits traits{.sampled = file.sampling.has_value(), .obstacles = !file.spec.scene->obstacles().empty()};
+  ProblemTraits traits{.sampled = file.sampled(), .obstacles = !file.spec.scene->obstacles().empty()};
   // A box without width along some axis cannot be scaled.
   if (file.sampling && (file.sampling->lower.array() < file.sampling->upper.array()).all()) {
     traits.goal_box.assign(file.sampling->lower.begin(), file.sampling->lower.end());

@@ -27,10 +27,10 @@ std::string content_of(const std::string& file_or_id) {
 
 StudyProblem study_problem(const std::string& file_or_id, std::optional<InstanceRange> instances) {
   ProblemFile file = load_problem_file(file_or_id);
-  if (instances && !file.sampling) {
+  if (instances && !file.sampled()) {
     throw std::invalid_argument(fmt::format("study: problem '{}' is not sampled: it has no instances", file_or_id));
   }
-  if (!instances && file.sampling) instances = InstanceRange{.count = 1};
+  if (!instances && file.sampled()) instances = InstanceRange{.count = 1};
   return {.name = file_or_id,
           .instances = instances,
           .make = [file = std::move(file)](Instance instance) -> std::shared_ptr<const DesignProblem> {

@@ -34,7 +34,10 @@ TEST(ProblemFile, KnowsTheReferenceScenariosById) {
 }
 
 TEST(ProblemFile, OfEveryBuiltInProblemIsNamedAsItsTask) {
-  for (const std::string& id : builtin_problems()) EXPECT_EQ(load_problem(id)->task().name(), id);
+  for (const std::string& id : builtin_problems()) {
+    if (load_problem_file(id).whitman) continue;  // the tasks of a generated family have names of their own
+    EXPECT_EQ(load_problem(id)->task().name(), id);
+  }
   EXPECT_THAT(builtin_libraries(), ElementsAre("seed", "seed/short", "workshop"));
 }
 

@@ -1,0 +1,68 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/command.hpp"
+
+namespace modsearch {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing::modsearch;
+using testing::Outcome;
+using testing::read_text;
+using testing::TemporaryFolder;
+
+TEST(ConvertCommand, WritesASolutionAsUrdfWhereTheNameEndsSo) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out", "--quiet"}, folder).status, 0);
+  const Outcome done = modsearch({"convert", folder / "out/solution.json", folder / "arm.urdf"}, folder);
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(read_text(folder / "arm.urdf"), HasSubstr("<robot name=\"solution\">"));
+}
+
+TEST(ConvertCommand, TakesTheFormatFromTheOptionAndOursOtherwise) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(modsearch({"convert", "seed/fixed", folder / "ours.json"}, folder).status, 0);
+  EXPECT_EQ(modsearch({"convert", "seed/fixed", folder / "theirs.json", "--to", "cobra"}, folder).status, 0);
+  EXPECT_TRUE(json::parse(read_text(folder / "ours.json")).contains("modsearch"));
+  EXPECT_FALSE(json::parse(read_text(folder / "theirs.json")).contains("modsearch"));
+}
+
+TEST(ConvertCommand, SaysInOneSentenceWhatCannotBeWrittenAndWritesNothing) {
+  const TemporaryFolder folder;
+  const Outcome refused = modsearch({"convert", "seed", folder / "arm.urdf"}, folder);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("a library cannot be written as urdf: it is no single arm"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "arm.urdf"));
+}
+
+TEST(Generate, WritesTasksAndProblemsThatAreTheSameEveryTime) {
+  const TemporaryFolder folder;
+  for (const char* out : {"a", "b"}) {
+    const Outcome done = modsearch(
+        {"generate", "whitman", "--goals", "5", "--boxes", "4", "--seed", "7", "--count", "3", "--out", folder / out},
+        folder);
+    EXPECT_EQ(done.status, 0) << done.err;
+  }
+  const json task = json::parse(read_text(folder / "a/task_002.json"));
+  EXPECT_EQ(task["goals"].size(), 5U);
+  EXPECT_EQ(task["obstacles"].size(), 4U);
+  EXPECT_EQ(task["header"]["ID"], "whitman/5g_4o/7/2");
+  EXPECT_EQ(json::parse(read_text(folder / "b/task_002.json")), task);
+  EXPECT_EQ(json::parse(read_text(folder / "a/problem_002.json"))["task"], "task_002.json");
+  EXPECT_FALSE(std::filesystem::exists(folder / "a/task_003.json"));
+}
+
+TEST(Generate, RefusesMoreGoalsThanItsLimit) {
+  const TemporaryFolder folder;
+  const Outcome refused = modsearch({"generate", "whitman", "--goals", "21", "--out", folder / "a"}, folder);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("21 goals (limit: 1 to 20)"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a"));
+}
+
+}  // namespace
+}  // namespace modsearch
