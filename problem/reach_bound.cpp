@@ -88,14 +88,28 @@ ModuleSpan module_span(const ModuleType& module) {
   }
   const auto lower = [&](int i) { return module.parameters[static_cast<std::size_t>(i)].lower; };
 
-  for (const AffineVector& piece : rigid_pieces(module)) {
-    // |offset + sum d_i x_i| <= |offset + sum d_i lower_i| + sum |d_i| (x_i - lower_i)
-    Eigen::Vector3d at_lower = piece.offset;
-    for (const AffineVector::Term& term : piece.terms) {
-      at_lower += lower(term.parameter) * term.direction;
-      span.stretches[static_cast<std::size_t>(term.parameter)].length_rate += term.direction.norm();
+  // Parameters that weigh nothing (the place of a base) may take any value for free: these are counted at their
+  // farthest at once, from the middle of their intervals.
+  std::vector<bool> weightless(static_cast<std::size_t>(n), true);
+  for (const ModuleBody& body : module.bodies) {
+    for (const AffineScalar::Term& term : body.mass.terms) {
+      if (term.scale != 0.0) weightless[static_cast<std::size_t>(term.parameter)] = false;
     }
-    span.length += at_lower.norm();
+  }
+  for (const AffineVector& piece : rigid_pieces(module)) {
+    // |offset + sum d_i x_i| <= |offset + sum d_i from_i| + sum |d_i| |x_i - from_i|, from the lower end or the middle.
+    Eigen::Vector3d at_from = piece.offset;
+    for (const AffineVector::Term& term : piece.terms) {
+      ModuleSpan::Stretch& stretch = span.stretches[static_cast<std::size_t>(term.parameter)];
+      if (weightless[static_cast<std::size_t>(term.parameter)]) {
+        at_from += (lower(term.parameter) + 0.5 * stretch.range) * term.direction;
+        span.length += 0.5 * stretch.range * term.direction.norm();
+      } else {
+        at_from += lower(term.parameter) * term.direction;
+        stretch.length_rate += term.direction.norm();
+      }
+    }
+    span.length += at_from.norm();
   }
   for (const ModuleBody& body : module.bodies) {
     span.mass += body.mass.offset;

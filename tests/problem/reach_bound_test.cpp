@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <modsearch/problem/base_placement.hpp>
+#include <modsearch/problem/files.hpp>
 #include <modsearch/problem/reach_bound.hpp>
 
 namespace modsearch {
@@ -37,6 +39,21 @@ TEST(ReachBound, TakesWhatMayFollowAtItsBest) {
   EXPECT_NEAR(reach_bound(arm, types, 2, 3.5).least_mass, 2.5 + 0.5 * 4.0, 1e-6);
   EXPECT_TRUE(reach_bound(arm, types, 2, 4.0).possible);  // 1 + 2 * 1.5
   EXPECT_FALSE(reach_bound(arm, types, 2, 4.1).possible);
+}
+
+// A base that may be half a metre off either way along x and y: whatever the weightless place, it is within 1 m of the
+// nominal one, and no closer bound than that is lost by starting from a corner.
+TEST(ReachBound, CountsThePlaceOfABaseFromTheMiddle) {
+  BasePlacement placement;
+  placement.x = {-0.5, 0.5};
+  placement.y = {-0.5, 0.5};
+  placement.yaw = {-1.0, 1.0};
+  const ModuleSpan span = module_span(with_placed_base(*load_library("seed"), placement).type(0));
+  EXPECT_NEAR(span.length, 1.0, 1e-12);
+  EXPECT_NEAR(span.greatest_length(), 1.0, 1e-12);
+  EXPECT_EQ(span.mass, 0.0);
+  placement.x = {0.5, 1.5};  // 1 m away in the middle, half a metre more at the ends
+  EXPECT_NEAR(module_span(with_placed_base(*load_library("seed"), placement).type(0)).length, 1.0 + 0.5 + 0.5, 1e-12);
 }
 
 }  // namespace
