@@ -80,6 +80,19 @@ struct GenerateArguments {
   std::filesystem::path out;
 };
 
+struct CertifyArguments {
+  std::string problem;
+  std::optional<Instance> instance;
+  double gap = 1e-4;
+  std::optional<double> seconds;
+  std::optional<int> fewer;
+  std::filesystem::path out = "certificate.json";
+};
+
+struct CheckCertificateArguments {
+  std::string file;
+};
+
 struct ListArguments {
   std::string what;  ///< "solvers", "agents", "problems" or "studies"
 };

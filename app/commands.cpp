@@ -12,6 +12,7 @@
 #include <modsearch/study/solution_page.hpp>
 #include <modsearch/study/study_file.hpp>
 
+#include "app/chosen_problem_internal.hpp"
 #include "app/output_internal.hpp"
 #include "app/progress.hpp"
 #include "app/report_internal.hpp"
@@ -20,35 +21,6 @@
 
 namespace modsearch::app {
 namespace {
-
-// A problem with the instance of it that was asked for.
-struct ChosenProblem {
-  ProblemFile file;
-  std::optional<Instance> instance;  // of a sampled problem
-  std::shared_ptr<const RobotProblem> problem;
-};
-
-ChosenProblem choose_problem(const std::string& name, const std::optional<Instance>& asked) {
-  if (name.empty()) throw std::invalid_argument("PROBLEM is empty: neither a file nor the ID of a built-in problem");
-  ChosenProblem chosen{load_problem_file(name), std::nullopt, nullptr};
-  const Instance instance = asked.value_or(Instance{});
-  if (chosen.file.sampled()) {
-    chosen.instance = instance;
-  } else if (instance.seed != 0 || instance.index != 0) {
-    throw std::invalid_argument(fmt::format("--instance {}:{}: {} is not sampled, so its only instance is 0:0",
-                                            instance.seed, instance.index, name));
-  }
-  try {
-    chosen.problem = chosen.file.instance(instance);
-  } catch (const std::exception& error) {
-    // No such instance: a fault of the file, such as a box that lies within an obstacle.
-    const std::string what = error.what();
-    const std::string place = name + ": ";
-    if (what.starts_with(place)) throw FileError(what);
-    throw FileError(fmt::format("{}instance {}:{}: {}", place, instance.seed, instance.index, what));
-  }
-  return chosen;
-}
 
 std::optional<Eigen::Vector3d> sampled_target(const ProblemFile& file, const RobotProblem& problem) {
   if (!file.sampling) return std::nullopt;

@@ -25,6 +25,9 @@ enum class Status {
 [[nodiscard]] Status render(const RenderArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status convert(const ConvertArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status generate(const GenerateArguments& arguments, const CommonArguments& common);
+[[nodiscard]] Status certify(const CertifyArguments& arguments, const CommonArguments& common, std::stop_token stop);
+/// Becomes modsearch-check, which lies beside this program.
+[[nodiscard]] Status check_certificate(const CheckCertificateArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status list(const ListArguments& arguments, const CommonArguments& common);
 
 /// What the commands print may still wait in a buffer: throws FileError if it cannot be written, say to a full disk.

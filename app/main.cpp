@@ -34,6 +34,8 @@ struct Arguments {
   RenderArguments render;
   ConvertArguments convert;
   GenerateArguments generate;
+  CertifyArguments certify;
+  CheckCertificateArguments check_certificate;
   ListArguments list;
 };
 
@@ -173,6 +175,30 @@ void describe(CLI::App& app, Arguments& a) {
   generate.add_option("--out", a.generate.out, "folder for task_000.json, problem_000.json, ..")->required();
   add_common(generate, a.common, "modsearch generate whitman --goals 3 --boxes 3 --seed 0 --count 100 --out tasks/");
 
+  CLI::App& certify = *app.add_subcommand("certify", "find the best design and prove how much better another can be");
+  certify.add_option("PROBLEM", a.certify.problem, "problem file, or the ID of a built-in one")->required();
+  add_instance(certify, a.certify.instance);
+  certify.add_option("--gap", a.certify.gap, "share of the mass that may be left open, in (0, 1]")->capture_default_str();
+  certify
+      .add_option_function<std::string>(
+          "--max-seconds", [&](const std::string& text) { a.certify.seconds = parse_seconds(text); },
+          "at most this long [s]; what is proved until then is what the certificate says")
+      ->type_name("S");
+  certify
+      .add_option_function<std::string>(
+          "--fewer",
+          [&](const std::string& text) {
+            a.certify.fewer = static_cast<int>(parse_whole_number("--fewer", text, 64));
+          },
+          "instead: prove that no design of at most N modules (without the base) is achieved")
+      ->type_name("N");
+  certify.add_option("--out", a.certify.out, "FILE of the certificate")->capture_default_str();
+  add_common(certify, a.common, "modsearch certify seed/fixed --out out/certificate.json");
+
+  CLI::App& check = *app.add_subcommand("check-certificate", "check a certificate with the independent modsearch-check");
+  check.add_option("FILE", a.check_certificate.file, "certificate")->required();
+  add_common(check, a.common, "modsearch check-certificate out/certificate.json");
+
   CLI::App& list = *app.add_subcommand("list", "what there is, with options and defaults");
   list.add_option("WHAT", a.list.what, "solvers, agents, problems or studies")
       ->required()
@@ -202,6 +228,8 @@ Status run(const CLI::App& app, const Arguments& a) {
   if (app.got_subcommand("render")) return render(a.render, a.common);
   if (app.got_subcommand("convert")) return convert(a.convert, a.common);
   if (app.got_subcommand("generate")) return generate(a.generate, a.common);
+  if (app.got_subcommand("certify")) return certify(a.certify, a.common, stop_on_interrupt());
+  if (app.got_subcommand("check-certificate")) return check_certificate(a.check_certificate, a.common);
   return list(a.list, a.common);
 }
 

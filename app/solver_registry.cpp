@@ -7,6 +7,7 @@
 #include <charconv>
 #include <modsearch/baselines/annealing.hpp>
 #include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/branch_and_bound.hpp>
 #include <modsearch/baselines/cma_es.hpp>
 #include <modsearch/baselines/eliminate.hpp>
 #include <modsearch/baselines/enumerate.hpp>
@@ -185,6 +186,16 @@ SolverEntry enumeration() {
       make_enumerate};
 }
 
+SolverEntry branch_and_bound() {
+  return {"branch-and-bound",
+          "certified: all sequences, lengths and postures at once, until none can score more but for the gap",
+          {{"gap", fmt::format("{}", BranchAndBoundOptions{}.gap), "share of the mass that may be left open"}},
+          [](const OptionValues& values) {
+            return std::make_unique<BranchAndBound>(
+                BranchAndBoundOptions{.gap = number(values, "gap", BranchAndBoundOptions{}.gap)});
+          }};
+}
+
 SolverEntry elimination() {
   const EliminateOptions defaults;
   return {
@@ -239,6 +250,7 @@ std::vector<SolverEntry> make_entries() {
                       {"starts", std::to_string(defaults.starts), "low-discrepancy starts per sequence"}},
                      make_per_sequence});
   entries.push_back(enumeration());
+  entries.push_back(branch_and_bound());
   entries.push_back(elimination());
   entries.push_back(tree_search());
   entries.push_back(genetic_algorithm());

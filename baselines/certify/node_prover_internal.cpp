@@ -1,0 +1,244 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <modsearch/baselines/certify/node_prover_internal.hpp>
+
+namespace modsearch::certify {
+namespace {
+
+constexpr int kMostRows = 5;
+constexpr int kRounds = 3;           // of ascent and contraction in one box
+constexpr double kWorthwhile = 0.1;  // least share of an interval that is cut off
+constexpr double kNarrow = 1e-9;     // intervals that are not cut any more
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+NodeProver::NodeProver(const SequenceModel& model, const Scenery& scenery)
+    : model_{model}, scenery_{scenery}, bound_{model, scenery}, slab_bound_{model, scenery} {}
+
+Multipliers NodeProver::first_multipliers() const {
+  // One kilogram per metre towards the goals, shared among them.
+  Multipliers multipliers;
+  for (const Target& target : scenery_.targets) {
+    const double length = target.position.norm();
+    multipliers.y.push_back(target.position / (std::max(length, 1e-9) * static_cast<double>(scenery_.targets.size())));
+  }
+  return multipliers;
+}
+
+double NodeProver::target(const Box& box, double cut) const {
+  // What weighs more than any design in the box is not there.
+  return std::min(cut, greatest_mass(model_, box) + 1e-5);
+}
+
+void NodeProver::load(NodeBound& bound, const Box& box, const Multipliers& multipliers,
+                      std::vector<double>& values) const {
+  bound.set_box(box);
+  values.clear();
+  for (const Eigen::Vector3d& y : multipliers.y) values.insert(values.end(), y.begin(), y.end());
+  for (const Row& row : multipliers.rows) {
+    if (row.multiplier > 0.0 && bound.add_row(row)) values.push_back(row.multiplier);
+  }
+}
+
+void NodeProver::store(const std::vector<double>& values, bool cap, Multipliers& multipliers) const {
+  for (std::size_t g = 0; g < multipliers.y.size(); ++g) {
+    multipliers.y[g] = Eigen::Vector3d{values[3 * g], values[3 * g + 1], values[3 * g + 2]};
+  }
+  multipliers.cap = cap;
+  multipliers.rows.clear();
+  for (int r = 0; r < bound_.n_rows(); ++r) {
+    Row row = bound_.row(r);
+    row.multiplier = values[3 * multipliers.y.size() + at(r)];
+    if (row.multiplier > 1e-9) multipliers.rows.push_back(row);
+  }
+}
+
+bool NodeProver::closes(const Box& box, const Multipliers& multipliers, double cut, Objective objective,
+                        ClosedLeaf& leaf) {
+  load(slab_bound_, box, multipliers, slab_values_);
+  const double value = slab_bound_.value(slab_values_.data(), multipliers.cap, objective, nullptr);
+  leaf.kind = objective;
+  if (objective == Objective::kNothing) {
+    if (!(value > 1e-8)) return false;
+  } else if (!(value >= target(box, cut))) {
+    return false;
+  } else if (!(value >= cut)) {
+    leaf.kind = Objective::kNothing;
+    if (!(slab_bound_.value(slab_values_.data(), multipliers.cap, Objective::kNothing, nullptr) > 1e-8)) return false;
+  }
+  leaf.multipliers.y = multipliers.y;
+  leaf.multipliers.cap = multipliers.cap;
+  leaf.multipliers.rows.clear();
+  for (int r = 0; r < slab_bound_.n_rows(); ++r) {
+    leaf.multipliers.rows.push_back(slab_bound_.row(r));
+    // As the certificate has it: of the normal that is not scaled.
+    leaf.multipliers.rows.back().multiplier =
+        slab_values_[3 * multipliers.y.size() + at(r)] / slab_bound_.normal_length(r);
+  }
+  return true;
+}
+
+double NodeProver::contract(Box& box, const Multipliers& multipliers, double cut, double wanted, Objective objective,
+                            int only, std::vector<Slab>* slabs) {
+  double left = 1.0;
+  const int n = multipliers.cap ? model_.n_lengths() : box.size();
+  for (int v = 0; v < n; ++v) {
+    if (only >= 0 && v != only) continue;
+    const double width = bound_.box().width(v);
+    if (width < kNarrow) continue;
+    const NodeBound::Ends ends = bound_.ends(v);
+    const bool above = ends.upper > ends.lower;
+    const double most = std::max(ends.lower, ends.upper);
+    const double least = std::min(ends.lower, ends.upper);
+    if (!(most >= wanted) || !(most > least)) continue;
+    const double share = std::min(1.0, (most - wanted) / (most - least));
+    if (share < kWorthwhile) continue;
+    for (const double part : {1.0, 0.7}) {
+      const double place =
+          above ? bound_.box().upper[at(v)] - part * share * width : bound_.box().lower[at(v)] + part * share * width;
+      if (!(place > box.lower[at(v)] && place < box.upper[at(v)])) continue;
+      Box off = box;
+      (above ? off.lower : off.upper)[at(v)] = place;
+      Slab slab{v, place, above, {}};
+      if (!closes(off, multipliers, cut, objective, slab.leaf)) continue;
+      left *= 1.0 - off.width(v) / std::max(box.width(v), 1e-300);
+      (above ? box.upper : box.lower)[at(v)] = place;
+      if (slabs != nullptr) slabs->push_back(std::move(slab));
+      break;
+    }
+  }
+  return left;
+}
+
+double NodeProver::contract_by_reach(Box& box, double cut, std::vector<Slab>* slabs) {
+  double left = 1.0;
+  const int n_goals = static_cast<int>(scenery_.targets.size());
+  const int K = model_.n_lengths();
+  const int J = model_.n_joints();
+  Multipliers multipliers;
+  bound_.clear_rows();
+  for (int g = 0; g < n_goals; ++g) {
+    // The row that sees as little as possible of all variables but one: weighted least squares.
+    Eigen::Matrix3d S = Eigen::Matrix3d::Identity() * 1e-9;
+    std::array<Eigen::Vector3d, 32> columns;
+    std::array<int, 32> variables{};
+    int n = 0;
+    for (int i = 0; i < K + J; ++i) {
+      const int v = i < K ? i : K + g * J + (i - K);
+      const double half = 0.5 * bound_.box().width(v);
+      if (half < kNarrow) continue;
+      columns[at(n)] = half * bound_.tip_derivative(g, v);
+      S += columns[at(n)] * columns[at(n)].transpose();
+      variables[at(n++)] = v;
+    }
+    const Eigen::Matrix3d inverse = S.inverse();
+    for (int i = 0; i < n; ++i) {
+      Eigen::Vector3d y = inverse * columns[at(i)];
+      const double length = y.norm();
+      if (!(length > 0.0) || !std::isfinite(length)) continue;
+      y /= length;
+      const double own = std::abs(y.dot(columns[at(i)]));
+      double others = scenery_.targets[at(g)].radius;
+      for (int k = 0; k < n; ++k) others += k == i ? 0.0 : std::abs(y.dot(columns[at(k)]));
+      // To first order the variable lies within (off +- others) / own of its half-width.
+      const double off = std::abs(y.dot(scenery_.targets[at(g)].position - bound_.tip(g)));
+      if (off < others - (1.0 - 2.0 * kWorthwhile) * own) continue;
+      for (const double sign : {1.0, -1.0}) {
+        multipliers.y.assign(at(n_goals), Eigen::Vector3d::Zero());
+        multipliers.y[at(g)] = sign * y;
+        values_.assign(at(3 * n_goals), 0.0);
+        for (int k = 0; k < 3; ++k) values_[at(3 * g + k)] = sign * y[k];
+        bound_.value(values_.data(), false, Objective::kNothing, nullptr);
+        left *= contract(box, multipliers, cut, 1e-7, Objective::kNothing, -1, slabs);
+      }
+    }
+  }
+  return left;
+}
+
+void NodeProver::choose_split(const Box& box, const std::vector<double>& values, Verdict& verdict) {
+  bound_.value(values.data(), false, Objective::kMass, nullptr);
+  bound_.losses(values.data(), losses_);
+  int best = -1;
+  for (int v = 0; v < box.size(); ++v) {
+    if (box.width(v) < kNarrow) continue;
+    if (best < 0 || losses_[at(v)] > losses_[at(best)]) best = v;
+  }
+  const double loss = best < 0 ? 0.0 : losses_[at(best)];
+  // Where the middle collides and the bound hardly suffers, it is the rows that have to get sharper.
+  if (!candidates_.empty() && candidates_.front().cut > 0.0) {
+    const Row& row = candidates_.front().row;
+    bound_.reach_shares(row.goal, row.run, row.tau, shares_);
+    int widest = -1;
+    for (int v = 0; v < box.size(); ++v) {
+      if (box.width(v) < kNarrow) continue;
+      if (widest < 0 || shares_[at(v)] > shares_[at(widest)]) widest = v;
+    }
+    if (widest >= 0 && loss < 0.25 * shares_[at(widest)]) best = widest;
+  }
+  verdict.split = best;
+  if (best >= 0) verdict.at = 0.5 * (box.lower[at(best)] + box.upper[at(best)]);
+}
+
+Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::vector<Slab>* slabs) {
+  Verdict verdict;
+  verdict.bound = least_mass(model_, box);
+  for (int round = 0; round < kRounds; ++round) {
+    bound_.set_box(box);
+    find_rows(bound_, model_, scenery_, multipliers.rows, candidates_);
+    if (!candidates_.empty() && candidates_.front().inside) {
+      Multipliers alone;
+      alone.y.assign(scenery_.targets.size(), Eigen::Vector3d::Zero());
+      alone.rows.push_back(candidates_.front().row);
+      alone.rows.front().multiplier = 1.0;
+      for (const bool cap : {true, false}) {
+        alone.cap = cap;
+        if (!closes(box, alone, cut, Objective::kNothing, verdict.leaf)) continue;
+        verdict.closed = true;
+        return verdict;
+      }
+    }
+    values_.clear();
+    for (const Eigen::Vector3d& y : multipliers.y) values_.insert(values_.end(), y.begin(), y.end());
+    int kept = 0;
+    for (const RowCandidate& candidate : candidates_) {
+      if (kept >= kMostRows && candidate.row.multiplier <= 0.0) continue;
+      if (!bound_.add_row(candidate.row)) continue;
+      values_.push_back(candidate.row.multiplier);
+      ++kept;
+    }
+    const double wanted = target(box, cut);
+    double widest = 0.0;
+    for (int v = model_.n_lengths(); v < box.size(); ++v) widest = std::max(widest, box.width(v));
+    bool cap = false;
+    if (widest > 0.5) {
+      const double second = bound_.value(values_.data(), false, Objective::kMass, nullptr);
+      cap = bound_.value(values_.data(), true, Objective::kMass, nullptr) > second;
+    }
+    const int steps = bound_.n_rows() > 0 ? 10 : 6;
+    const double value = ascent_.climb(bound_, cap, wanted, steps, values_);
+    verdict.bound = std::max(verdict.bound, value);
+    store(values_, cap, multipliers);
+    if (value >= wanted && closes(box, multipliers, cut, Objective::kMass, verdict.leaf)) {
+      verdict.closed = true;
+      return verdict;
+    }
+    // The split is that of the box as it is now, unless parts are cut off it.
+    choose_split(box, values_, verdict);
+    if (cap) bound_.value(values_.data(), true, Objective::kMass, nullptr);
+    double left = contract(box, multipliers, cut, wanted, Objective::kMass, -1, slabs);
+    if (!cap || widest < 2.0) left *= contract_by_reach(box, cut, slabs);
+    if (left > 0.8) break;
+  }
+  if (verdict.split >= 0) {
+    verdict.at = 0.5 * (box.lower[at(verdict.split)] + box.upper[at(verdict.split)]);
+    if (box.width(verdict.split) < kNarrow) verdict.split = -1;
+  }
+  return verdict;
+}
+
+}  // namespace modsearch::certify
