@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/branch_and_bound.hpp>
 #include <modsearch/baselines/eliminate.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/lexicographic.hpp>
@@ -35,6 +36,9 @@ double n_sequences(const DesignProblem& problem) {
 constexpr double kMany = 100'000.0;
 // Of too many sequences, the first are worth a look: steps of the search through them, a second or so.
 constexpr std::int64_t kFirstSteps = 2'000;
+// What a proof may take where it has not been asked for: half a second or so. One module takes 30 boxes, two among
+// obstacles a few thousand.
+constexpr std::int64_t kProofBoxes = 2'000;
 
 class AutoSearch final : public Search {
  public:
@@ -52,6 +56,11 @@ class AutoSearch final : public Search {
   std::optional<SearchEnd> step(Meter& meter) override {
     std::optional<SearchEnd> end = search_->step(meter);
     ++steps_;
+    if (end && phase_ == Phase::kSequences && provable(*end) && !meter.stopped()) {
+      found_ = std::move(end->reason);
+      enter(Phase::kProof);
+      return std::nullopt;
+    }
     if (end) return told(std::move(*end), meter);
     if (phase_ == Phase::kSequences && n_sequences_ > kMany && steps_ >= kFirstSteps) enter(Phase::kEvolution);
     return std::nullopt;
@@ -60,22 +69,33 @@ class AutoSearch final : public Search {
   void save(Archive& archive) const override {
     archive.put_integer("auto/phase", static_cast<std::int64_t>(phase_));
     archive.put_integer("auto/steps", steps_);
+    archive.put_text("auto/found", found_);
     search_->save(archive);
   }
   void restore(const Archive& archive) override {
     const std::int64_t phase = archive.integer("auto/phase");
-    if (phase != static_cast<std::int64_t>(phase_)) enter(Phase::kEvolution);
+    if (phase != static_cast<std::int64_t>(phase_)) {
+      enter(phase == static_cast<std::int64_t>(Phase::kProof) ? Phase::kProof : Phase::kEvolution);
+    }
     steps_ = archive.integer("auto/steps");
+    found_ = archive.text("auto/found");
     search_->restore(archive);
   }
 
  private:
-  enum class Phase { kSequences, kEvolution };
+  enum class Phase { kSequences, kEvolution, kProof };
 
   void enter(Phase phase) {
     phase_ = phase;
-    const SteppedSolver& method = phase == Phase::kSequences ? *first_ : static_cast<const SteppedSolver&>(evolution_);
+    const SteppedSolver& method = phase == Phase::kSequences ? *first_
+                                  : phase == Phase::kProof   ? static_cast<const SteppedSolver&>(proof_)
+                                                             : evolution_;
     search_ = method.start(problem_, rng_);
+  }
+
+  // Lengths were optimised and nothing is proved of them yet.
+  [[nodiscard]] bool provable(const SearchEnd& end) const {
+    return end.stop == StopReason::kExhausted && problem_.library().max_parameters() > 0 && proof_.covers(problem_);
   }
 
   // The end of the method in one line: what was done, how it ended, what is proved.
@@ -83,6 +103,8 @@ class AutoSearch final : public Search {
     std::string did;
     if (phase_ == Phase::kSequences) {
       did = first_->name();
+    } else if (phase_ == Phase::kProof) {
+      did = fmt::format("{}: {}; then {}", first_->name(), found_, proof_.name());
     } else if (first_) {
       did = fmt::format("{} of {:.4g} type sequences, then {}", first_->name(), n_sequences_, evolution_.name());
     } else {
@@ -105,9 +127,11 @@ class AutoSearch final : public Search {
   Rng rng_;
   std::unique_ptr<SteppedSolver> first_;  // null: nothing can be done with single sequences
   GeneticAlgorithm evolution_;
+  BranchAndBound proof_{{.boxes = kProofBoxes}};
   double n_sequences_ = 0.0;
   Phase phase_ = Phase::kSequences;
   std::int64_t steps_ = 0;
+  std::string found_;  // what was said of the sequences, once they are being proved
   std::unique_ptr<Search> search_;
 };
 

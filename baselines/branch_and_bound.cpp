@@ -11,12 +11,20 @@ BranchAndBound::BranchAndBound(BranchAndBoundOptions options) : options_{options
   if (!(options_.gap > 0.0 && options_.gap <= 1.0)) {
     throw std::invalid_argument(fmt::format("branch-and-bound: gap is {}, not in (0, 1]", options_.gap));
   }
+  if (options_.boxes < 0) {
+    throw std::invalid_argument(fmt::format("branch-and-bound: boxes is {}, at least 0 is needed", options_.boxes));
+  }
+}
+
+bool BranchAndBound::covers(const DesignProblem& problem) const {
+  const auto* robot = dynamic_cast<const RobotProblem*>(&problem);
+  return robot != nullptr && !certify::why_not_covered(*robot);
 }
 
 std::unique_ptr<Search> BranchAndBound::start(const DesignProblem& problem, Rng rng) const {
-  const auto* robot = dynamic_cast<const RobotProblem*>(&problem);
-  if (robot == nullptr || certify::why_not_covered(*robot)) return Enumerate{}.start(problem, rng);
-  return std::make_unique<certify::BoundSearch>(*robot, options_.gap);
+  if (!covers(problem)) return Enumerate{}.start(problem, rng);
+  return std::make_unique<certify::BoundSearch>(dynamic_cast<const RobotProblem&>(problem), options_.gap,
+                                                options_.boxes);
 }
 
 }  // namespace modsearch

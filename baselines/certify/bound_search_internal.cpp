@@ -20,9 +20,10 @@ std::string percent(double share) { return fmt::format("{:.3g} %", 100.0 * share
 
 }  // namespace
 
-BoundSearch::BoundSearch(const RobotProblem& problem, double gap)
+BoundSearch::BoundSearch(const RobotProblem& problem, double gap, std::int64_t most_boxes)
     : problem_{problem},
       gap_{gap},
+      most_boxes_{most_boxes},
       weight_{problem.spec().scoring->mass_weight()},
       scenery_{scenery_of(problem)},
       frontier_{problem},
@@ -140,6 +141,7 @@ std::optional<SearchEnd> BoundSearch::step(Meter& meter) {
     if (bare.score > -kInfinity) add({}, bare.score, meter);
     begun_ = true;
   }
+  if (most_boxes_ > 0 && expanded() >= most_boxes_) return end(meter);
   for (int box = 0; box < kBoxesPerStep; ++box) {
     if (meter.stopped()) return end(meter);
     Sequence* best = nullptr;
@@ -184,7 +186,10 @@ SearchEnd BoundSearch::end(const Meter& meter) const {
   const std::vector<Tally> tallies{{"boxes", static_cast<double>(boxes)},
                                    {"sequences", static_cast<double>(sequences_.size())}};
   const std::string reason = "certified branch and bound";
-  if (!closed_) return {StopReason::kExhausted, "", Bound{bound, reason}, tallies};
+  if (!closed_) {
+    const bool limited = most_boxes_ > 0 && boxes >= most_boxes_;
+    return {StopReason::kExhausted, limited ? fmt::format("{} boxes", boxes) : "", Bound{bound, reason}, tallies};
+  }
   if (bound == -kInfinity) {
     const std::string& why = frontier_.impossible();
     return {StopReason::kUnreachable,

@@ -12,7 +12,8 @@ namespace modsearch::certify {
 class BoundSearch final : public Search {
  public:
   /// `problem`, which is covered (why_not_covered), must outlive it.
-  BoundSearch(const RobotProblem& problem, double gap);
+  /// `most_boxes`: ends after so many expansions; 0: no limit.
+  BoundSearch(const RobotProblem& problem, double gap, std::int64_t most_boxes = 0);
 
   [[nodiscard]] std::optional<SearchEnd> step(Meter& meter) override;
   void save(Archive& archive) const override;
@@ -49,6 +50,7 @@ class BoundSearch final : public Search {
 
   const RobotProblem& problem_;
   double gap_ = 0.0;
+  std::int64_t most_boxes_ = 0;
   double weight_ = 0.0;  // points per kilogram
   Scenery scenery_;
   SequenceFrontier frontier_;

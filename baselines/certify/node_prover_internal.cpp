@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <map>
 #include <modsearch/baselines/certify/node_prover_internal.hpp>
+#include <string>
 
 namespace modsearch::certify {
 namespace {
@@ -11,6 +14,14 @@ constexpr int kMostRows = 5;
 constexpr int kRounds = 3;           // of ascent and contraction in one box
 constexpr double kWorthwhile = 0.1;  // least share of an interval that is cut off
 constexpr double kNarrow = 1e-9;     // intervals that are not cut any more
+
+double knob(const char* name, double otherwise) {
+  static std::map<std::string, double> known;
+  const auto found = known.find(name);
+  if (found != known.end()) return found->second;
+  const char* text = std::getenv(name);
+  return known[name] = text ? std::atof(text) : otherwise;
+}
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -96,7 +107,7 @@ double NodeProver::contract(Box& box, const Multipliers& multipliers, double cut
     const double least = std::min(ends.lower, ends.upper);
     if (!(most >= wanted) || !(most > least)) continue;
     const double share = std::min(1.0, (most - wanted) / (most - least));
-    if (share < kWorthwhile) continue;
+    if (share < knob("WORTH", 0.1)) continue;
     for (const double part : {1.0, 0.7}) {
       const double place =
           above ? bound_.box().upper[at(v)] - part * share * width : bound_.box().lower[at(v)] + part * share * width;
@@ -160,34 +171,38 @@ double NodeProver::contract_by_reach(Box& box, double cut, std::vector<Slab>* sl
   return left;
 }
 
-void NodeProver::choose_split(const Box& box, const std::vector<double>& values, Verdict& verdict) {
+double NodeProver::choose_split(const Box& box, const std::vector<double>& values, Verdict& verdict) {
   bound_.value(values.data(), false, Objective::kMass, nullptr);
   bound_.losses(values.data(), losses_);
+  // A row that has no multiplier yet may get one where the body point can move less: what it loses now, as if one
+  // kilogram per metre hung on it.
+  for (std::size_t c = 0; c < std::min(candidates_.size(), at(kMostRows)); ++c) {
+    const RowCandidate& candidate = candidates_[c];
+    if (candidate.row.multiplier > 0.0) continue;
+    bound_.reach_shares(candidate.row.goal, candidate.row.run, candidate.row.tau, shares_);
+    double sum = 0.0;
+    for (const double share : shares_) sum += share;
+    if (!(sum > 0.0)) continue;
+    const double near = std::clamp(1.0 + candidate.cut / sum, 0.0, 1.0);
+    const double lost = knob("BLUNT", 1.0) * near * std::min(sum, candidate.blunt);
+    for (std::size_t v = 0; v < shares_.size(); ++v) losses_[v] += lost * shares_[v] / sum;
+  }
   int best = -1;
+  double sum = 0.0;
   for (int v = 0; v < box.size(); ++v) {
     if (box.width(v) < kNarrow) continue;
+    sum += losses_[at(v)];
     if (best < 0 || losses_[at(v)] > losses_[at(best)]) best = v;
-  }
-  const double loss = best < 0 ? 0.0 : losses_[at(best)];
-  // Where the middle collides and the bound hardly suffers, it is the rows that have to get sharper.
-  if (!candidates_.empty() && candidates_.front().cut > 0.0) {
-    const Row& row = candidates_.front().row;
-    bound_.reach_shares(row.goal, row.run, row.tau, shares_);
-    int widest = -1;
-    for (int v = 0; v < box.size(); ++v) {
-      if (box.width(v) < kNarrow) continue;
-      if (widest < 0 || shares_[at(v)] > shares_[at(widest)]) widest = v;
-    }
-    if (widest >= 0 && loss < 0.25 * shares_[at(widest)]) best = widest;
   }
   verdict.split = best;
   if (best >= 0) verdict.at = 0.5 * (box.lower[at(best)] + box.upper[at(best)]);
+  return sum;
 }
 
 Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::vector<Slab>* slabs) {
   Verdict verdict;
   verdict.bound = least_mass(model_, box);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < static_cast<int>(knob("ROUNDS", 3)); ++round) {
     bound_.set_box(box);
     find_rows(bound_, model_, scenery_, multipliers.rows, candidates_);
     if (!candidates_.empty() && candidates_.front().inside) {
@@ -206,7 +221,7 @@ Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::v
     for (const Eigen::Vector3d& y : multipliers.y) values_.insert(values_.end(), y.begin(), y.end());
     int kept = 0;
     for (const RowCandidate& candidate : candidates_) {
-      if (kept >= kMostRows && candidate.row.multiplier <= 0.0) continue;
+      if (kept >= static_cast<int>(knob("ROWS", 5)) && candidate.row.multiplier <= 0.0) continue;
       if (!bound_.add_row(candidate.row)) continue;
       values_.push_back(candidate.row.multiplier);
       ++kept;
@@ -219,8 +234,8 @@ Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::v
       const double second = bound_.value(values_.data(), false, Objective::kMass, nullptr);
       cap = bound_.value(values_.data(), true, Objective::kMass, nullptr) > second;
     }
-    const int steps = bound_.n_rows() > 0 ? 10 : 6;
-    const double value = ascent_.climb(bound_, cap, wanted, steps, values_);
+    const int steps = static_cast<int>(bound_.n_rows() > 0 ? knob("STEPS1", 10) : knob("STEPS0", 6));
+    double value = ascent_.climb(bound_, cap, wanted, steps, values_);
     verdict.bound = std::max(verdict.bound, value);
     store(values_, cap, multipliers);
     if (value >= wanted && closes(box, multipliers, cut, Objective::kMass, verdict.leaf)) {
@@ -228,11 +243,22 @@ Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::v
       return verdict;
     }
     // The split is that of the box as it is now, unless parts are cut off it.
-    choose_split(box, values_, verdict);
+    double lost = choose_split(box, values_, verdict);
+    if (lost < knob("RECLIMB", 0.5) * (wanted - value)) {
+      // More is missing than the box can have lost: the multipliers are not the best yet.
+      value = ascent_.climb(bound_, cap, wanted, static_cast<int>(knob("STEPS2", 25)), values_);
+      verdict.bound = std::max(verdict.bound, value);
+      store(values_, cap, multipliers);
+      if (value >= wanted && closes(box, multipliers, cut, Objective::kMass, verdict.leaf)) {
+        verdict.closed = true;
+        return verdict;
+      }
+      choose_split(box, values_, verdict);
+    }
     if (cap) bound_.value(values_.data(), true, Objective::kMass, nullptr);
     double left = contract(box, multipliers, cut, wanted, Objective::kMass, -1, slabs);
-    if (!cap || widest < 2.0) left *= contract_by_reach(box, cut, slabs);
-    if (left > 0.8) break;
+    if (knob("REACH", 1) > 0.0 && (!cap || widest < 2.0)) left *= contract_by_reach(box, cut, slabs);
+    if (left > knob("LEFT", 0.8)) break;
   }
   if (verdict.split >= 0) {
     verdict.at = 0.5 * (box.lower[at(verdict.split)] + box.upper[at(verdict.split)]);

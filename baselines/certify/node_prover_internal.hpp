@@ -53,7 +53,8 @@ class NodeProver {
   double contract(Box& box, const Multipliers& multipliers, double cut, double wanted, Objective objective, int only,
                   std::vector<Slab>* slabs);
   double contract_by_reach(Box& box, double cut, std::vector<Slab>* slabs);
-  void choose_split(const Box& box, const std::vector<double>& values, Verdict& verdict);
+  // Where to cut the box; what all its widths cost together, at these multipliers [kg].
+  double choose_split(const Box& box, const std::vector<double>& values, Verdict& verdict);
 
   const SequenceModel& model_;
   const Scenery& scenery_;

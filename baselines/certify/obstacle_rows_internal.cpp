@@ -12,10 +12,11 @@ constexpr double kInside = 1e-9;
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Keeps the better of two rows about one body point.
-void improve(RowCandidate& best, const Row& row, double cut, bool inside) {
+void improve(RowCandidate& best, const Row& row, double cut, double blunt, bool inside) {
   if (best.inside || (!inside && cut <= best.cut)) return;
   best.row = row;
   best.cut = cut;
+  best.blunt = blunt;
   best.inside = inside;
 }
 
@@ -28,7 +29,8 @@ void try_ball(RowCandidate& best, Row row, const NodeBound::BodyPoint& point, do
   row.ball = true;
   row.centre = centre;
   row.radius = radius;
-  improve(best, row, (R * R - D * D - d * d) / (2.0 * std::max(d, 1e-3)), d + D < R - 1e-9);
+  const double twice = 2.0 * std::max(d, 1e-3);
+  improve(best, row, (R * R - D * D - d * d) / twice, D * D / twice, d + D < R - 1e-9);
 }
 
 // Balls of some sizes inside a box or a cylinder, each as near to the point as it can be, and the faces of a box.
@@ -54,7 +56,7 @@ void try_box(RowCandidate& best, Row row, const NodeBound::BodyPoint& point, dou
     row.ball = false;
     row.face = face;
     const double cut = out - sign * local[axis];
-    improve(best, row, cut, cut > point.reach + 1e-9);
+    improve(best, row, cut, 0.0, cut > point.reach + 1e-9);
     row.ball = true;
   }
 }
@@ -75,7 +77,7 @@ void try_cylinder(RowCandidate& best, const Row& row, const NodeBound::BodyPoint
 }
 
 RowCandidate best_at(const NodeBound& bound, const SequenceModel& model, const Scenery& scenery, Row row) {
-  RowCandidate best{row, -1e9, false};
+  RowCandidate best{row, -1e9, 0.0, false};
   const NodeBound::BodyPoint point = bound.body_point(row.goal, row.run, row.tau);
   const PlacedShape& obstacle = scenery.obstacles[at(row.shape)];
   const double r = model.runs[at(row.run)].radius;
@@ -116,7 +118,7 @@ void find_rows(const NodeBound& bound, const SequenceModel& model, const Scenery
         const double nearest = nearest_on_segment(first.x, last.x, centre);
         const Eigen::Vector3d there = first.x + nearest * (last.x - first.x);
         if ((there - centre).norm() > bounding_radius(obstacle.shape) + run.radius + reach) continue;
-        RowCandidate best{{}, -1e9, false};
+        RowCandidate best{{}, -1e9, 0.0, false};
         for (const double tau : {nearest, 0.0, 0.25, 0.5, 0.75, 1.0}) {
           const RowCandidate candidate = best_at(bound, model, scenery, {.goal = g, .run = i, .tau = tau, .shape = s});
           if (candidate.inside && !best.inside) best = candidate;

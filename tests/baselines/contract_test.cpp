@@ -3,6 +3,7 @@
 #include <chrono>
 #include <modsearch/baselines/annealing.hpp>
 #include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/branch_and_bound.hpp>
 #include <modsearch/baselines/cma_es.hpp>
 #include <modsearch/baselines/eliminate.hpp>
 #include <modsearch/baselines/enumerate.hpp>
@@ -56,6 +57,7 @@ std::vector<std::unique_ptr<SteppedSolver>> stepped_solvers() {
   solvers.push_back(std::make_unique<Eliminate>(EliminateOptions{.grid = 2}));
   solvers.push_back(std::make_unique<TreeSearch>());
   solvers.push_back(std::make_unique<TreeSearch>(TreeSearchOptions{.rollout = false, .polish = 0}));
+  solvers.push_back(std::make_unique<BranchAndBound>());
   solvers.push_back(std::make_unique<AutoSolver>());
   return solvers;
 }
