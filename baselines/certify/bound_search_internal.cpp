@@ -172,7 +172,7 @@ std::optional<SearchEnd> BoundSearch::step(Meter& meter) {
       return std::nullopt;
     }
     if (!best->tree->expand(cut(*best))) {
-      stuck_ = std::max(stuck_, score);
+      stuck_ = std::max(stuck_, score + 1e-6 * std::max(1.0, std::abs(score)));  // a proof has to get there again
       best->tree.reset();
     }
   }

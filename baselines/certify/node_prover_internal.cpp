@@ -10,18 +10,14 @@
 namespace modsearch::certify {
 namespace {
 
-constexpr int kMostRows = 5;
+constexpr int kMostRows = 3;         // new ones in a box; those of the box around stay
 constexpr int kRounds = 3;           // of ascent and contraction in one box
+constexpr int kMoreSteps = 25;       // of ascent, where the multipliers are to blame
+constexpr double kUnchanged = 0.8;   // share of a box that is left and not worth another round
+constexpr double kExplained = 0.5;   // share of what is missing that the width of a box has to explain
+constexpr double kWeightOfRows = 3;  // multiplier that a row without one is taken to get [kg/m]
 constexpr double kWorthwhile = 0.1;  // least share of an interval that is cut off
 constexpr double kNarrow = 1e-9;     // intervals that are not cut any more
-
-double knob(const char* name, double otherwise) {
-  static std::map<std::string, double> known;
-  const auto found = known.find(name);
-  if (found != known.end()) return found->second;
-  const char* text = std::getenv(name);
-  return known[name] = text ? std::atof(text) : otherwise;
-}
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -107,18 +103,22 @@ double NodeProver::contract(Box& box, const Multipliers& multipliers, double cut
     const double least = std::min(ends.lower, ends.upper);
     if (!(most >= wanted) || !(most > least)) continue;
     const double share = std::min(1.0, (most - wanted) / (most - least));
-    if (share < knob("WORTH", 0.1)) continue;
-    for (const double part : {1.0, 0.7}) {
+    if (share < kWorthwhile) continue;
+    for (const double part : {0.999, 0.7}) {
       const double place =
           above ? bound_.box().upper[at(v)] - part * share * width : bound_.box().lower[at(v)] + part * share * width;
       if (!(place > box.lower[at(v)] && place < box.upper[at(v)])) continue;
-      Box off = box;
-      (above ? off.lower : off.upper)[at(v)] = place;
-      Slab slab{v, place, above, {}};
-      if (!closes(off, multipliers, cut, objective, slab.leaf)) continue;
-      left *= 1.0 - off.width(v) / std::max(box.width(v), 1e-300);
+      const double before = box.width(v);
+      if (slabs != nullptr) {
+        // What is written down has to hold by itself, seen from the middle of the part.
+        Box off = box;
+        (above ? off.lower : off.upper)[at(v)] = place;
+        Slab slab{v, place, above, {}};
+        if (!closes(off, multipliers, cut, objective, slab.leaf)) continue;
+        slabs->push_back(std::move(slab));
+      }
       (above ? box.upper : box.lower)[at(v)] = place;
-      if (slabs != nullptr) slabs->push_back(std::move(slab));
+      left *= box.width(v) / before;
       break;
     }
   }
@@ -174,8 +174,7 @@ double NodeProver::contract_by_reach(Box& box, double cut, std::vector<Slab>* sl
 double NodeProver::choose_split(const Box& box, const std::vector<double>& values, Verdict& verdict) {
   bound_.value(values.data(), false, Objective::kMass, nullptr);
   bound_.losses(values.data(), losses_);
-  // A row that has no multiplier yet may get one where the body point can move less: what it loses now, as if one
-  // kilogram per metre hung on it.
+  // A row that has no multiplier yet may get one where the body point can move less: what it loses now, as if it had.
   for (std::size_t c = 0; c < std::min(candidates_.size(), at(kMostRows)); ++c) {
     const RowCandidate& candidate = candidates_[c];
     if (candidate.row.multiplier > 0.0) continue;
@@ -184,7 +183,7 @@ double NodeProver::choose_split(const Box& box, const std::vector<double>& value
     for (const double share : shares_) sum += share;
     if (!(sum > 0.0)) continue;
     const double near = std::clamp(1.0 + candidate.cut / sum, 0.0, 1.0);
-    const double lost = knob("BLUNT", 1.0) * near * std::min(sum, candidate.blunt);
+    const double lost = kWeightOfRows * near * std::min(sum, candidate.blunt);
     for (std::size_t v = 0; v < shares_.size(); ++v) losses_[v] += lost * shares_[v] / sum;
   }
   int best = -1;
@@ -199,10 +198,26 @@ double NodeProver::choose_split(const Box& box, const std::vector<double>& value
   return sum;
 }
 
+// Where the bound has not lost what is missing, the arm that it believes in is one that collides, somewhere else than
+// at the middle: the box is cut where it lets the body points move most.
+void NodeProver::split_for_rows(const Box& box, Verdict& verdict) {
+  constexpr double kSharp = 1e-4;  // points that move less [m] are as good as held
+  double most = kSharp;
+  for (const RowCandidate& candidate : candidates_) {
+    bound_.reach_shares(candidate.row.goal, candidate.row.run, candidate.row.tau, shares_);
+    for (int v = 0; v < box.size(); ++v) {
+      if (box.width(v) < kNarrow || shares_[at(v)] <= most) continue;
+      most = shares_[at(v)];
+      verdict.split = v;
+    }
+  }
+}
+
 Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::vector<Slab>* slabs) {
+  const int n_goals = static_cast<int>(scenery_.targets.size());
   Verdict verdict;
   verdict.bound = least_mass(model_, box);
-  for (int round = 0; round < static_cast<int>(knob("ROUNDS", 3)); ++round) {
+  for (int round = 0; round < kRounds; ++round) {
     bound_.set_box(box);
     find_rows(bound_, model_, scenery_, multipliers.rows, candidates_);
     if (!candidates_.empty() && candidates_.front().inside) {
@@ -221,7 +236,7 @@ Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::v
     for (const Eigen::Vector3d& y : multipliers.y) values_.insert(values_.end(), y.begin(), y.end());
     int kept = 0;
     for (const RowCandidate& candidate : candidates_) {
-      if (kept >= static_cast<int>(knob("ROWS", 5)) && candidate.row.multiplier <= 0.0) continue;
+      if (kept >= kMostRows && candidate.row.multiplier <= 0.0) continue;
       if (!bound_.add_row(candidate.row)) continue;
       values_.push_back(candidate.row.multiplier);
       ++kept;
@@ -234,7 +249,7 @@ Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::v
       const double second = bound_.value(values_.data(), false, Objective::kMass, nullptr);
       cap = bound_.value(values_.data(), true, Objective::kMass, nullptr) > second;
     }
-    const int steps = static_cast<int>(bound_.n_rows() > 0 ? knob("STEPS1", 10) : knob("STEPS0", 6));
+    const int steps = bound_.n_rows() > 0 ? 8 + 4 * n_goals : 6 * n_goals;
     double value = ascent_.climb(bound_, cap, wanted, steps, values_);
     verdict.bound = std::max(verdict.bound, value);
     store(values_, cap, multipliers);
@@ -244,21 +259,22 @@ Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::v
     }
     // The split is that of the box as it is now, unless parts are cut off it.
     double lost = choose_split(box, values_, verdict);
-    if (lost < knob("RECLIMB", 0.5) * (wanted - value)) {
+    if (lost < kExplained * (wanted - value)) {
       // More is missing than the box can have lost: the multipliers are not the best yet.
-      value = ascent_.climb(bound_, cap, wanted, static_cast<int>(knob("STEPS2", 25)), values_);
+      value = ascent_.climb(bound_, cap, wanted, kMoreSteps, values_);
       verdict.bound = std::max(verdict.bound, value);
       store(values_, cap, multipliers);
       if (value >= wanted && closes(box, multipliers, cut, Objective::kMass, verdict.leaf)) {
         verdict.closed = true;
         return verdict;
       }
-      choose_split(box, values_, verdict);
+      lost = choose_split(box, values_, verdict);
+      if (lost < kExplained * (wanted - value)) split_for_rows(box, verdict);
     }
     if (cap) bound_.value(values_.data(), true, Objective::kMass, nullptr);
     double left = contract(box, multipliers, cut, wanted, Objective::kMass, -1, slabs);
-    if (knob("REACH", 1) > 0.0 && (!cap || widest < 2.0)) left *= contract_by_reach(box, cut, slabs);
-    if (left > knob("LEFT", 0.8)) break;
+    if (!cap || widest < 2.0) left *= contract_by_reach(box, cut, slabs);
+    if (left > kUnchanged) break;
   }
   if (verdict.split >= 0) {
     verdict.at = 0.5 * (box.lower[at(verdict.split)] + box.upper[at(verdict.split)]);
