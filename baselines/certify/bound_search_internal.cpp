@@ -158,6 +158,7 @@ std::optional<SearchEnd> BoundSearch::step(Meter& meter) {
       const std::optional<SequenceFrontier::Sequence> next = frontier_.next(meter);
       if (next && next->bound > closing) {
         add(next->types, next->bound, meter);
+        if (meter.stopped()) return end(meter);  // perhaps in the middle of it
         return std::nullopt;
       }
       if (!next && frontier_.exhausted() && score == -kInfinity) {
@@ -169,6 +170,7 @@ std::optional<SearchEnd> BoundSearch::step(Meter& meter) {
     if (best->tree->expanded() >= best->next_solve) {
       best->next_solve = std::max<std::int64_t>(2 * best->next_solve, 4);
       look_for_design(*best, best->tree->middle(), best->tree->expanded() % 3 == 0, meter);
+      if (meter.stopped()) return end(meter);
       return std::nullopt;
     }
     if (!best->tree->expand(cut(*best))) {

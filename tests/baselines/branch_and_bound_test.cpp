@@ -44,16 +44,12 @@ TEST(BranchAndBound, AgreesWithTheClosedFormOfOneModule) {
 }
 
 TEST(BranchAndBound, FindsTwoModulesWhereObstaclesForbidOne) {
-  // The base stands in a well of boxes; only from above the rim does the arm get out.
+  // A roof just above the lowest hinge: the arm has to go round its edge.
   RobotProblemSpec spec = load_problem("seed/fixed")->spec();
-  std::vector<Obstacle> walls;
-  for (const double side : {-1.0, 1.0}) {
-    walls.push_back({"x", {{Box{{0.1, 2.0, 1.2}}, Eigen::Isometry3d{Eigen::Translation3d{0.4 * side, 0.0, 0.5}}}}});
-    walls.push_back({"y", {{Box{{2.0, 0.1, 1.2}}, Eigen::Isometry3d{Eigen::Translation3d{0.0, 0.4 * side, 0.5}}}}});
-  }
-  spec.scene = std::make_shared<Scene>(std::move(walls));
+  spec.scene = std::make_shared<Scene>(std::vector<Obstacle>{
+      {"roof", {{Box{{1.0, 1.0, 0.06}}, Eigen::Isometry3d{Eigen::Translation3d{0.0, 0.0, 0.67}}}}}});
   spec.task = std::make_shared<GoalTask>(
-      "out", std::vector<Goal>{{"1", GoalType::kReach, PoseRegion::ball({1.2, 0.0, 0.3}, 1e-3)}});
+      "above", std::vector<Goal>{{"1", GoalType::kReach, PoseRegion::ball({0.9, 0.0, 1.3}, 1e-3)}});
   const RobotProblem problem{spec};
   const Solution solution = solved(problem, 0.02);
   ASSERT_TRUE(solution.evaluation.attempt.achieved);
