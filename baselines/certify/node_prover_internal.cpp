@@ -10,11 +10,14 @@
 namespace modsearch::certify {
 namespace {
 
-constexpr int kMostRows = 3;         // new ones in a box; those of the box around stay
-constexpr int kRounds = 3;           // of ascent and contraction in one box
-constexpr int kMoreSteps = 25;       // of ascent, where the multipliers are to blame
-constexpr double kUnchanged = 0.8;   // share of a box that is left and not worth another round
-constexpr double kExplained = 0.5;   // share of what is missing that the width of a box has to explain
+constexpr int kMostRows = 3;        // new ones in a box; those of the box around stay
+constexpr int kRounds = 3;          // of ascent and contraction in one box
+constexpr int kMoreSteps = 25;      // of ascent, where the multipliers are to blame
+constexpr double kUnchanged = 0.8;  // share of a box that is left and not worth another round
+constexpr double kExplained = 0.5;  // share of what is missing that the width of a box has to explain
+// Less than this share of what is missing, and no body point that moves: no smaller box will do either, because bodies
+// count as a radius shorter at their flat ends than they are.
+constexpr double kHopeless = 0.01;
 constexpr double kWeightOfRows = 3;  // multiplier that a row without one is taken to get [kg/m]
 constexpr double kWorthwhile = 0.1;  // least share of an interval that is cut off
 constexpr double kNarrow = 1e-9;     // intervals that are not cut any more
@@ -200,9 +203,10 @@ double NodeProver::choose_split(const Box& box, const std::vector<double>& value
 
 // Where the bound has not lost what is missing, the arm that it believes in is one that collides, somewhere else than
 // at the middle: the box is cut where it lets the body points move most.
-void NodeProver::split_for_rows(const Box& box, Verdict& verdict) {
+void NodeProver::split_for_rows(const Box& box, bool hopeless, Verdict& verdict) {
   constexpr double kSharp = 1e-4;  // points that move less [m] are as good as held
   double most = kSharp;
+  if (hopeless) verdict.split = -1;
   for (const RowCandidate& candidate : candidates_) {
     bound_.reach_shares(candidate.row.goal, candidate.row.run, candidate.row.tau, shares_);
     for (int v = 0; v < box.size(); ++v) {
@@ -269,7 +273,7 @@ Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::v
         return verdict;
       }
       lost = choose_split(box, values_, verdict);
-      if (lost < kExplained * (wanted - value)) split_for_rows(box, verdict);
+      if (lost < kExplained * (wanted - value)) split_for_rows(box, lost < kHopeless * (wanted - value), verdict);
     }
     if (cap) bound_.value(values_.data(), true, Objective::kMass, nullptr);
     double left = contract(box, multipliers, cut, wanted, Objective::kMass, -1, slabs);

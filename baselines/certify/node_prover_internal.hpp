@@ -55,7 +55,7 @@ class NodeProver {
   double contract_by_reach(Box& box, double cut, std::vector<Slab>* slabs);
   // Where to cut the box; what all its widths cost together, at these multipliers [kg].
   double choose_split(const Box& box, const std::vector<double>& values, Verdict& verdict);
-  void split_for_rows(const Box& box, Verdict& verdict);
+  void split_for_rows(const Box& box, bool hopeless, Verdict& verdict);
 
   const SequenceModel& model_;
   const Scenery& scenery_;

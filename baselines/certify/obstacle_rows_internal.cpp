@@ -98,6 +98,28 @@ double nearest_on_segment(const Eigen::Vector3d& a, const Eigen::Vector3d& b, co
   return square > 0.0 ? std::clamp((point - a).dot(d) / square, 0.0, 1.0) : 0.0;
 }
 
+// Between the places that were tried: the distance of a convex obstacle along a straight line has one minimum.
+void refine(RowCandidate& best, const NodeBound& bound, const SequenceModel& model, const Scenery& scenery) {
+  constexpr double kBetween = 0.25;  // places that were tried
+  constexpr int kSteps = 9;          // to a 300th of it
+  double lower = std::max(0.0, best.row.tau - kBetween);
+  double upper = std::min(1.0, best.row.tau + kBetween);
+  Row row = best.row;
+  for (int step = 0; step < kSteps; ++step) {
+    const double third = (upper - lower) / 3.0;
+    row.tau = lower + third;
+    const RowCandidate nearer = best_at(bound, model, scenery, row);
+    row.tau = upper - third;
+    const RowCandidate farther = best_at(bound, model, scenery, row);
+    (nearer.cut > farther.cut ? upper : lower) = nearer.cut > farther.cut ? farther.row.tau : nearer.row.tau;
+    for (const RowCandidate* candidate : {&nearer, &farther}) {
+      if (candidate->inside ? !best.inside || candidate->cut > best.cut : !best.inside && candidate->cut > best.cut) {
+        best = *candidate;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void find_rows(const NodeBound& bound, const SequenceModel& model, const Scenery& scenery,
@@ -124,6 +146,7 @@ void find_rows(const NodeBound& bound, const SequenceModel& model, const Scenery
           if (candidate.inside && !best.inside) best = candidate;
           if (!best.inside && candidate.cut > best.cut) best = candidate;
         }
+        if (!std::holds_alternative<Sphere>(obstacle.shape) && best.cut > -reach) refine(best, bound, model, scenery);
         for (const Row& row : before) {
           if (row.goal != g || row.run != i || row.shape != s || !(row.multiplier > 0.0)) continue;
           if (std::abs(row.tau - best.row.tau) < 0.15) {
