@@ -205,8 +205,11 @@ double NodeProver::choose_split(const Box& box, const std::vector<double>& value
 // at the middle: the box is cut where it lets the body points move most.
 void NodeProver::split_for_rows(const Box& box, bool hopeless, Verdict& verdict) {
   constexpr double kSharp = 1e-4;  // points that move less [m] are as good as held
+  constexpr double kSmall = 5e-3;  // wider boxes are not given up [m], [rad]
   double most = kSharp;
-  if (hopeless) verdict.split = -1;
+  double widest = 0.0;
+  for (int v = 0; v < box.size(); ++v) widest = std::max(widest, box.width(v));
+  if (hopeless && !candidates_.empty() && widest < kSmall) verdict.split = -1;
   for (const RowCandidate& candidate : candidates_) {
     bound_.reach_shares(candidate.row.goal, candidate.row.run, candidate.row.tau, shares_);
     for (int v = 0; v < box.size(); ++v) {
