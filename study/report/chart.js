@@ -40,6 +40,7 @@ const kMarks = {
     const {ctx, chartArea: area, scales} = chart;
     ctx.save();
     ctx.font = "12px system-ui, sans-serif";
+    const placed = [];
     for (const mark of chart.options.marks || []) {
       const x = scales.x.getPixelForValue(mark.x), y = scales.y.getPixelForValue(mark.y);
       if (x < area.left || x > area.right) continue;
@@ -60,8 +61,16 @@ const kMarks = {
       ctx.lineWidth = 1;
       ctx.fillStyle = css("--ink");
       const width = ctx.measureText(mark.text).width;
-      ctx.textAlign = x + width + 12 > area.right ? "right" : "left";
-      ctx.fillText(mark.text, x + (ctx.textAlign === "left" ? 9 : -9), Math.max(area.top + 12, y - 9));
+      if (placed.some((other) => other.text === mark.text && Math.abs(other.x - x) < 2)) continue;
+      const left = x + width + 12 > area.right ? x - 9 - width : x + 9;
+      let base = Math.max(area.top + 12, y - 9);
+      // Two marks beside each other: the later one is written above the earlier.
+      const meets = (other) => left < other.left + other.width + 4 && other.left < left + width + 4 &&
+                               Math.abs(base - other.base) < 14;
+      for (let other = placed.find(meets); other && base > area.top + 26; other = placed.find(meets)) base = other.base - 14;
+      placed.push({x, text: mark.text, left, width, base});
+      ctx.textAlign = "left";
+      ctx.fillText(mark.text, left, base);
     }
     ctx.restore();
   }

@@ -10,8 +10,8 @@ const css = (name) => getComputedStyle(document.documentElement).getPropertyValu
 function colour_of(solver) {
   const colour = kPalette[solver % kPalette.length];
   if (colour === "ink") return css("--ink");
-  // On dark ground the deep blue is too close to it.
-  return colour === "#0072b2" && document.documentElement.dataset.theme === "dark" ? "#3b9ddd" : colour;
+  // On dark ground the deep blue is too close to it, and a lighter one to sky blue: it becomes violet.
+  return colour === "#0072b2" && document.documentElement.dataset.theme === "dark" ? "#6d84ff" : colour;
 }
 const dash_of = (solver) => kDashes[Math.floor(solver / kPalette.length) % kDashes.length];
 
