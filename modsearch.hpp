@@ -121,5 +121,6 @@
 #include <modsearch/study/study_file.hpp>
 #include <modsearch/study/study_runs.hpp>
 #include <modsearch/study/summary.hpp>
+#include <modsearch/study/summary_markdown.hpp>
 #include <modsearch/study/targets.hpp>
 #include <modsearch/study/text_hash.hpp>

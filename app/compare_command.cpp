@@ -5,6 +5,7 @@
 #include <modsearch/study/run_study.hpp>
 #include <modsearch/study/study_csv.hpp>
 #include <modsearch/study/study_file.hpp>
+#include <modsearch/study/summary_markdown.hpp>
 
 #include "app/commands.hpp"
 #include "app/output_internal.hpp"
@@ -20,7 +21,8 @@ std::vector<NamedText> derived_files(const StudyRecord& record) {
   std::vector<NamedText> files{{"runs.csv", runs_csv(record)},
                                {"traces.csv", traces_csv(record)},
                                {"scores.csv", score_matrix_csv(record)},
-                               {"regrets.csv", regret_matrix_csv(record)}};
+                               {"regrets.csv", regret_matrix_csv(record)},
+                               {"tables.md", summary_markdown(record)}};
   for (NamedText& file : iohprofiler_files(record)) {
     files.push_back({"iohprofiler/" + file.path, std::move(file.text)});
   }

@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <modsearch/study/summary.hpp>
+#include <modsearch/study/summary_markdown.hpp>
+
+namespace modsearch {
+namespace {
+
+std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.3g}", value) : std::string{"∞"}; }
+
+// 1234, not 1.23e+03.
+std::string count(double value) {
+  return std::isfinite(value) && value >= 100.0 ? fmt::format("{:.0f}", value) : number(value);
+}
+
+std::string percent(const Proportion& share) { return fmt::format("{:.0f} %", 100.0 * share.value); }
+
+// Indices of the targets that the table shows.
+std::vector<std::size_t> shown(const std::vector<Target>& targets) {
+  std::vector<std::size_t> wanted, all;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    if (targets[t].kind != Target::Kind::kMass) continue;
+    all.push_back(t);
+    if (targets[t].percent == 10.0 || targets[t].percent == 1.0) wanted.push_back(t);
+  }
+  return wanted.empty() ? all : wanted;
+}
+
+std::string row_text(const SummaryRow& row, const std::vector<std::size_t>& targets) {
+  std::string text = fmt::format("| {} | {} | {} [{}, {}] |", row.label, percent(row.achieved),
+                                 number(row.regret.value), number(row.regret.low), number(row.regret.high));
+  for (const std::size_t t : targets) {
+    text += fmt::format(" {} | {} | {} |", percent(row.success[t]), count(row.evaluations[t]), number(row.seconds[t]));
+  }
+  text += fmt::format(" {} | {} |", count(row.median_evaluations), number(row.median_seconds));
+  text += row.training ? fmt::format(" {} |\n", count(row.training->seconds)) : std::string{" |\n"};
+  return text;
+}
+
+std::string reference_text(const Summary& summary) {
+  std::string text = fmt::format("{} instance{}", summary.instances, summary.instances == 1 ? "" : "s");
+  text += fmt::format(": {} with a certified optimum, {} with a certified bound", summary.optimal, summary.bounded);
+  if (summary.bounded > 0) text += fmt::format(" (gap up to {} points)", number(summary.largest_gap));
+  if (summary.unreachable > 0) text += fmt::format(", {} more proved unreachable", summary.unreachable);
+  return text + ". Regret is measured from the bound where there is one, else from the best known score.\n";
+}
+
+}  // namespace
+
+std::string summary_markdown(const StudyRecord& record) {
+  std::string text;
+  for (const ProblemFacts& problem : record.study.problems) {
+    const StudyRuns runs = runs_of(record, problem.name);
+    const Summary summary = summarise(record, runs, Rng{0});
+    const std::vector<std::size_t> targets = shown(summary.targets);
+    text += fmt::format("### {}\n\n| solver | achieved | regret |", problem.name);
+    std::string rule = "|---|---|---|";
+    for (const std::size_t t : targets) {
+      text += fmt::format(" {}: runs | evaluations | seconds |", summary.targets[t].name());
+      rule += "---|---|---|";
+    }
+    text += " evaluations of a run | seconds | training [s] |\n" + rule + "---|---|---|\n";
+    for (const SummaryRow& row : summary.rows) text += row_text(row, targets);
+    text += "\n" + reference_text(summary) + "\n";
+  }
+  return text;
+}
+
+}  // namespace modsearch
