@@ -33,6 +33,13 @@ void learn(InstanceFacts& facts, const CellRecord& cell) {
   if (outcome.achieved && (facts.best == nullptr || outcome.score > facts.best->outcome->score)) facts.best = &cell;
 }
 
+// Score per kilogram; 0 for a scoring that does not look at mass.
+double price_of_mass(const CellOutcome& outcome) {
+  const auto term = std::find_if(outcome.terms.begin(), outcome.terms.end(),
+                                 [](const TermRecord& candidate) { return candidate.name == "mass"; });
+  return term == outcome.terms.end() || outcome.mass <= 0.0 ? 0.0 : std::max(0.0, -term->value / outcome.mass);
+}
+
 }  // namespace
 
 std::string_view name(Certificate certificate) {
@@ -56,8 +63,11 @@ std::string InstanceFacts::name() const {
 Certificate InstanceFacts::certificate() const {
   if (best == nullptr && unreachable) return Certificate::kUnreachable;
   if (!bound) return Certificate::kNone;
-  const double slack = kCertifiedGap * std::max(1.0, std::abs(*bound));
-  return best != nullptr && *bound - best->outcome->score <= slack ? Certificate::kOptimal : Certificate::kBounded;
+  if (best == nullptr) return Certificate::kBounded;
+  const CellOutcome& outcome = *best->outcome;
+  const double slack = std::max(kCertifiedGap * std::max(1.0, std::abs(*bound)),
+                                kCertifiedShare * price_of_mass(outcome) * outcome.mass);
+  return *bound - outcome.score <= slack ? Certificate::kOptimal : Certificate::kBounded;
 }
 
 std::optional<double> InstanceFacts::reference_score() const {
@@ -69,10 +79,7 @@ int InstanceFacts::reference_modules() const { return best->outcome->modules; }
 
 double InstanceFacts::reference_mass() const {
   const CellOutcome& outcome = *best->outcome;
-  const auto term = std::find_if(outcome.terms.begin(), outcome.terms.end(),
-                                 [](const TermRecord& candidate) { return candidate.name == "mass"; });
-  // Score per kilogram; a scoring that does not look at mass tells nothing about it.
-  const double price = term == outcome.terms.end() || outcome.mass <= 0.0 ? 0.0 : -term->value / outcome.mass;
+  const double price = price_of_mass(outcome);
   if (price <= 0.0) return outcome.mass;
   return std::max(0.0, outcome.mass - (*reference_score() - outcome.score) / price);
 }

@@ -10,7 +10,7 @@ namespace modsearch {
 
 /// How much is known about the best that an instance allows.
 enum class Certificate {
-  kOptimal,      ///< a design is known that scores what the bound allows, within kCertifiedGap
+  kOptimal,      ///< a design is known that scores what the bound allows, within kCertifiedShare
   kBounded,      ///< there is a bound, and a gap to it
   kUnreachable,  ///< proved: no design achieves the task
   kNone,         ///< no bound; what is best is the best of this study
@@ -18,8 +18,10 @@ enum class Certificate {
 /// "optimal", "bounded", "unreachable", "none".
 [[nodiscard]] std::string_view name(Certificate certificate);
 
-/// A score this close to the bound counts as optimal, times the larger of 1 and the bound's size: bounds are computed
-/// in floating point from programs that are solved to about 1e-8.
+/// A design this close to the bound counts as optimal: the share of its mass that might still be saved, which is what
+/// proofs are asked for on the reference scenarios, and a little for how that is rounded.
+inline constexpr double kCertifiedShare = 1.01e-4;
+/// The same for scorings without mass, times the larger of 1 and the bound's size.
 inline constexpr double kCertifiedGap = 1e-6;
 
 /// One problem, or one instance of a family, with the best that is known about it.

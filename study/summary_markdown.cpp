@@ -62,7 +62,7 @@ std::string summary_markdown(const StudyRecord& record) {
     }
     text += " evaluations of a run | seconds | training [s] |\n" + rule + "---|---|---|\n";
     for (const SummaryRow& row : summary.rows) text += row_text(row, targets);
-    text += "\n" + reference_text(summary) + "\n";
+    text += fmt::format("\n{}\n", reference_text(summary));
   }
   return text;
 }
