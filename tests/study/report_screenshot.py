@@ -13,7 +13,7 @@ from screenshot import Checks, chromium, read_png
 
 # The colours of the three solvers: the palette's first three, the blue lighter on dark ground.
 SOLVERS = {"light": {"steady": "0072b2", "slow": "d55e00", "agent": "009e73"},
-           "dark": {"steady": "3b9ddd", "slow": "d55e00", "agent": "009e73"}}
+           "dark": {"steady": "6d84ff", "slow": "d55e00", "agent": "009e73"}}
 
 # Run in the page: does what a reader would do and writes down what came of it.
 PROBE = """<script>
