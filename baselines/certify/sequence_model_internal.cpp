@@ -148,6 +148,9 @@ std::optional<std::string> why_not_covered(const ModuleType& module) {
 std::optional<std::string> why_not_covered(const RobotProblem& problem) {
   if (problem.spec().placed_base) return "the place of the base is part of the design";
   if (dynamic_cast<const GoalTask*>(&problem.task()) == nullptr) return "its task may be more than goals to reach";
+  if (!problem.task().steps().empty()) return "its task has trajectories, pauses or returns";
+  if (problem.task().statics().limited) return "joint torques are limited";
+  if (problem.scene().any_moves()) return "an obstacle moves";
   for (const Goal& goal : problem.task().goals()) {
     if (!goal.region.is_ball()) return fmt::format("goal {} is not a ball about a position", goal.id);
   }

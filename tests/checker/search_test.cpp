@@ -311,5 +311,32 @@ TEST_F(Certificates, AreRefusedForWhatTheyCannotBeAbout) {
       testing::ThrowsMessage<std::invalid_argument>(testing::HasSubstr("goal here is not a ball about a position")));
 }
 
+TEST_F(Certificates, AreRefusedForTorquesStepsAndObstaclesThatMove) {
+  const modsearch::RobotProblemSpec plain = modsearch::load_problem("seed/fixed")->spec();
+  const modsearch::GoalTaskSpec task{.name = "t", .goals = {plain.task->goals()[0]}};
+  const auto refusal = [&](const modsearch::GoalTaskSpec& asked, const modsearch::Scene& scene) -> std::string {
+    modsearch::RobotProblemSpec spec = plain;
+    spec.task = std::make_shared<modsearch::GoalTask>(asked);
+    spec.scene = std::make_shared<modsearch::Scene>(scene);
+    modsearch::Meter meter;
+    try {
+      static_cast<void>(
+          modsearch::make_certificate(modsearch::RobotProblem{spec}, {}, {"p", std::nullopt, "{}"}, meter));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  modsearch::GoalTaskSpec heavy = task;
+  heavy.statics.limited = true;
+  EXPECT_THAT(refusal(heavy, {}), testing::HasSubstr("joint torques are limited"));
+  modsearch::GoalTaskSpec resting = task;
+  resting.steps = {{.id = "go"}, {.id = "rest", .kind = modsearch::TaskStep::Kind::kPause, .duration = 1.0}};
+  EXPECT_THAT(refusal(resting, {}), testing::HasSubstr("trajectories, pauses or returns"));
+  modsearch::Obstacle ball{"ball", {{modsearch::Sphere{0.1}, Eigen::Isometry3d::Identity()}}};
+  ball.motion = {{0.0}, {Eigen::Isometry3d::Identity()}};
+  EXPECT_THAT(refusal(task, modsearch::Scene{{ball}}), testing::HasSubstr("an obstacle moves"));
+}
+
 }  // namespace
 }  // namespace modsearch_check
