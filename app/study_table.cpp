@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <modsearch/study/targets.hpp>
 #include <optional>
 #include <vector>
@@ -31,6 +32,7 @@ struct Row {
   int runs = 0;
   int achieved = 0;
   int failed = 0;
+  std::map<std::string, int> failures{};  // of runs whose best is not achieved, by their reasons
   double score = kNothing;
   double regret = kNothing;
   double evaluations = kNothing;
@@ -49,6 +51,7 @@ Row row_of(const StudyRecord& record, const StudyRuns& runs, std::size_t solver)
       scores.push_back(cell->outcome->score);
       evaluations.push_back(static_cast<double>(cell->outcome->spent.evaluations));
       seconds.push_back(cell->outcome->spent.seconds);
+      if (!cell->outcome->failure.empty()) ++row.failures[cell->outcome->failure];
       if (!cell->outcome->achieved) continue;
       ++row.achieved;
       regrets.push_back(regret(*cell, runs.instances[i]));
@@ -102,6 +105,15 @@ std::string cell(double number, int digits) {
   return std::isfinite(number) ? fmt::format("{:.{}f}", number, digits) : std::string{"-"};
 }
 
+// "   not achieved: 2 torque, 1 unreachable"; nothing where all are.
+std::string failures_text(const Row& row) {
+  std::string text;
+  for (const auto& [reason, n] : row.failures) {
+    text += fmt::format("{}{} {}", text.empty() ? "   not achieved: " : ", ", n, reason);
+  }
+  return text;
+}
+
 }  // namespace
 
 nlohmann::ordered_json study_json(const StudyRecord& record) {
@@ -118,6 +130,7 @@ nlohmann::ordered_json study_json(const StudyRecord& record) {
                          {"runs", row.runs},
                          {"achieved", row.achieved},
                          {"failed", row.failed},
+                         {"failures", row.failures},
                          {"medianScore", number_or_null(row.score)},
                          {"medianRegret", number_or_null(row.regret)},
                          {"medianEvaluations", number_or_null(row.evaluations)},
@@ -142,10 +155,10 @@ std::string study_text(const StudyRecord& record) {
     text += fmt::format("{:<{}} {:>11} {:>10} {:>9} {:>12} {:>9} {:>13}\n", "solver", width, "achieved", "score",
                         "regret", "evaluations", "seconds", "training [s]");
     for (const Row& row : rows_of(record, runs, problem.name)) {
-      text += fmt::format("{:<{}} {:>11} {:>10} {:>9} {:>12} {:>9} {:>13}{}\n", row.label, width,
+      text += fmt::format("{:<{}} {:>11} {:>10} {:>9} {:>12} {:>9} {:>13}{}{}\n", row.label, width,
                           fmt::format("{} of {}", row.achieved, row.runs), cell(row.score, 3), cell(row.regret, 3),
                           cell(row.evaluations, 0), cell(row.seconds, 4), cell(row.training_seconds, 1),
-                          row.failed > 0 ? fmt::format("   {} failed", row.failed) : "");
+                          row.failed > 0 ? fmt::format("   {} failed", row.failed) : "", failures_text(row));
     }
   }
   return text;

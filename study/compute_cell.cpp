@@ -56,6 +56,7 @@ CellOutcome outcome_of(const DesignProblem& problem, const Solution& solution, b
   outcome.score = solution.evaluation.score;
   outcome.achieved = solution.evaluation.attempt.achieved;
   outcome.reached = solution.evaluation.attempt.reached;
+  if (!outcome.achieved) outcome.failure = name(solution.evaluation.attempt.why);
   outcome.goal_error =
       evaluated ? solution.evaluation.attempt.goal_error : std::numeric_limits<double>::infinity();
   outcome.modules = static_cast<int>(solution.design.modules.size()) + 1;

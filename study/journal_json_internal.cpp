@@ -88,6 +88,7 @@ ordered_json outcome_json(const CellOutcome& outcome) {
     json["score"] = finite_or_null(outcome.score);
     json["achieved"] = outcome.achieved;
     json["reached"] = outcome.reached;
+    if (!outcome.failure.empty()) json["failure"] = outcome.failure;
     json["goalError_m"] = finite_or_null(outcome.goal_error);
     json["modules"] = outcome.modules;
     json["mass_kg"] = outcome.mass;
@@ -154,8 +155,8 @@ ordered_json done_line(const std::string& cell, const CellOutcome& outcome) {
 }
 
 CellOutcome read_outcome(const JsonCursor& line) {
-  line.expect_keys({"cell", "event", "design", "score", "achieved", "reached", "goalError_m", "modules", "mass_kg",
-                    "terms", "bound", "evaluations", "failedEvaluations", "programEvaluations", "work", "stop",
+  line.expect_keys({"cell", "event", "design", "score", "achieved", "reached", "failure", "goalError_m", "modules",
+                    "mass_kg", "terms", "bound", "evaluations", "failedEvaluations", "programEvaluations", "work", "stop",
                     "reason", "seconds", "cpuSeconds", "episodes", "steps", "updates", "meanReturn", "policy", "weights"});
   CellOutcome outcome;
   if (line.has("policy")) {
@@ -165,6 +166,7 @@ CellOutcome read_outcome(const JsonCursor& line) {
     outcome.score = number_or(line.at("score"), -kInfinity);
     outcome.achieved = line.at("achieved").boolean();
     outcome.reached = line.at("reached").boolean();
+    outcome.failure = line.text_or("failure", "");
     outcome.goal_error = number_or(line.at("goalError_m"), kInfinity);
     outcome.modules = static_cast<int>(line.at("modules").integer(1, 64));
     outcome.mass = line.at("mass_kg").number();

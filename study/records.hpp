@@ -100,6 +100,7 @@ struct CellOutcome {
   double score = -std::numeric_limits<double>::infinity();
   bool achieved = false;
   bool reached = false;
+  std::string failure;      ///< why the best is not achieved ("unreachable", "torque", ..); empty where it is
   double goal_error = 0.0;  ///< [m]; infinite where nothing was evaluated
   int modules = 1;          ///< the base included
   double mass = 0.0;        ///< [kg]

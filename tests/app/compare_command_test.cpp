@@ -55,6 +55,22 @@ TEST_F(CompareCommand, TellsTheSameInJson) {
   EXPECT_GT(agent["trainingSeconds"].get<double>(), 0.0);
 }
 
+TEST_F(CompareCommand, CountsWhyRunsEndedWithoutAnArm) {
+  std::ofstream{study_} << R"({
+    "modsearch": 1, "name": "hard", "seeds": {"first": 0, "count": 2}, "budget": {"evaluations": 5},
+    "problems": [{"problem": "whitman/3g_3o", "instances": {"seed": 0, "count": 2}}],
+    "solvers": [{"solver": "random"}]
+  })";
+  const Outcome outcome = compare({"--quiet", "--json", "--out", folder_ / "out"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json row = nlohmann::json::parse(outcome.out)["problems"][0]["solvers"][0];
+  int sum = row["achieved"];
+  EXPECT_LT(sum, 4);  // five random arms do not meet three full poses among boxes
+  for (const auto& [reason, n] : row["failures"].items()) sum += n.get<int>();
+  EXPECT_EQ(sum, 4);
+  EXPECT_THAT(compare({"--quiet", "--resume", "--out", folder_ / "out"}).out, HasSubstr("   not achieved: "));
+}
+
 TEST_F(CompareCommand, RefusesAFolderWithAJournalUnlessItResumes) {
   ASSERT_EQ(compare({"--quiet", "--out", folder_ / "out"}).status, 0);
   const Outcome again = compare({"--quiet", "--out", folder_ / "out"});
