@@ -50,7 +50,7 @@ Chain general_arm(int n_joints) {
     Eigen::Isometry3d X{Eigen::AngleAxisd{0.9 + 0.4 * j, Eigen::Vector3d{1.0, 0.2 + 0.3 * j, -0.5}.normalized()}};
     X.translation() << 0.1, 0.2 - 0.1 * j, 0.0;
     builder.joint({.name = "j", .lower = -sample::kPi, .upper = sample::kPi}).move(X);
-    builder.move({Eigen::Matrix3d::Identity(), {0.0, 0.0, AffineScalar::of_parameter(j)}});
+    builder.move(AffinePose{Eigen::Matrix3d::Identity(), {0.0, 0.0, AffineScalar::of_parameter(j)}});
   }
   return builder.build();
 }
