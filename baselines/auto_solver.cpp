@@ -34,8 +34,13 @@ double n_sequences(const DesignProblem& problem) {
 
 // Some thousand sequences take a second, so that these fit into the half minute that `modsearch solve` takes at most.
 constexpr double kMany = 100'000.0;
+// Fewer are gone through one by one as long as that finds something.
+constexpr double kSome = 1'000.0;
 // Of too many sequences, the first are worth a look: steps of the search through them, a second or so.
 constexpr std::int64_t kFirstSteps = 2'000;
+// Where these show nothing, fewer: arms of many modules are dear, and sequences that reach come late. What is left of
+// the budget is no reason, for a search that is resumed with another one has to go the same way.
+constexpr std::int64_t kFirstStepsInVain = 60;
 // What a proof may take where it has not been asked for: half a second or so. One module takes 30 boxes, two among
 // obstacles a few thousand.
 constexpr std::int64_t kProofBoxes = 2'000;
@@ -62,7 +67,7 @@ class AutoSearch final : public Search {
       return std::nullopt;
     }
     if (end) return told(std::move(*end), meter);
-    if (phase_ == Phase::kSequences && n_sequences_ > kMany && steps_ >= kFirstSteps) enter(Phase::kEvolution);
+    if (phase_ == Phase::kSequences && better_evolved(meter)) enter(Phase::kEvolution);
     return std::nullopt;
   }
 
@@ -91,6 +96,12 @@ class AutoSearch final : public Search {
                                   : phase == Phase::kProof   ? static_cast<const SteppedSolver&>(proof_)
                                                              : evolution_;
     search_ = method.start(problem_, rng_);
+  }
+
+  // Going through the sequences takes too long: there are too many, or the first have shown nothing.
+  [[nodiscard]] bool better_evolved(const Meter& meter) const {
+    const bool in_vain = !(meter.best() && meter.best()->evaluation.attempt.achieved);
+    return steps_ >= (in_vain ? kFirstStepsInVain : kFirstSteps) && n_sequences_ > (in_vain ? kSome : kMany);
   }
 
   // Lengths were optimised and nothing is proved of them yet.

@@ -102,6 +102,16 @@ TEST(AutoSolver, ProvesWhatIsCheapToProve) {
   EXPECT_THAT(solution.reason, testing::HasSubstr("then branch-and-bound: none scores above 341.915"));
 }
 
+// Thousands of sequences: gone through as long as that finds something, else evolved.
+TEST(AutoSolver, EvolvesWhereSequencesShowNothing) {
+  Meter found{{.evaluations = 1000}};
+  EXPECT_THAT(AutoSolver{}.solve(*load_problem("breakeven/two_goals", {1, 0}), found, Rng{0}).reason,
+              testing::Not(testing::HasSubstr("then ga")));
+  Meter nothing{{.evaluations = 1000}};
+  EXPECT_THAT(AutoSolver{}.solve(*load_problem("workshop/reach", {0, 1}), nothing, Rng{0}).reason,
+              testing::HasSubstr("then ga"));
+}
+
 // A hundred thousand local optimisations, and none that beats a bound.
 TEST(SlowBranchAndBound, IsBeatenByNoSolver) {
   struct Family {
