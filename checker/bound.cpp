@@ -162,7 +162,8 @@ class Remainder {
   std::vector<Form> second_;      // second derivatives [acting x acting], upper triangle
 };
 
-double second_order(const Model& model, const Box& box, const Leaf& leaf, const Sum& sum) {
+Corners second_order(const Model& model, const Box& box, const Leaf& leaf, const Sum& sum) {
+  Corners result;
   const std::size_t n = model.n_joints();
   Form rest = mass_form(model, leaf);                                            // mass - F at the centre
   std::vector<Form> slopes(sum.angles.size() * n, Form(model.n_lengths() + 1));  // dF/dq_v there
@@ -179,18 +180,17 @@ double second_order(const Model& model, const Box& box, const Leaf& leaf, const 
   }
 
   const std::vector<std::vector<double>> all = corners(model, box);
-  std::vector<Interval> before(all.size());  // remainders
   std::vector<std::vector<Choices>> choices(all.size());
   std::size_t worst = 0;
   double least = INFINITY;
   for (std::size_t c = 0; c < all.size(); ++c) {
-    before[c] = at(rest, all[c]);
-    for (std::size_t g = 0; g < sum.angles.size(); ++g) {
-      for (std::size_t v = 0; v < n; ++v) {
-        before[c] -= abs(at(slopes[g * n + v], all[c])) * sum.angles[g].half[v];
-      }
+    Interval before = at(rest, all[c]);  // remainders
+    std::vector<Interval>& here = result.slopes.emplace_back();
+    for (std::size_t v = 0; v < slopes.size(); ++v) {
+      here.push_back(at(slopes[v], all[c]));
+      before -= abs(here.back()) * sum.angles[v / n].half[v % n];
     }
-    double best = before[c].lower();
+    double best = before.lower();
     for (const Remainder& remainder : remainders) {
       choices[c].push_back(remainder.at_corner(all[c]));
       best -= *std::min_element(choices[c].back().begin(), choices[c].back().end());
@@ -199,27 +199,25 @@ double second_order(const Model& model, const Box& box, const Leaf& leaf, const 
       least = best;
       worst = c;
     }
+    result.values.push_back(before);
   }
   // One choice per frame for all corners (a minimum of convex functions need not be convex): the best at the worst one.
-  double bound = INFINITY;
   for (std::size_t c = 0; c < all.size(); ++c) {
-    Interval value = before[c];
     for (std::size_t k = 0; k < remainders.size(); ++k) {
       const Choices& there = choices[worst][k];
       const auto chosen = static_cast<std::size_t>(std::min_element(there.begin(), there.end()) - there.begin());
-      value -= choices[c][k][chosen];
+      result.values[c] -= choices[c][k][chosen];
     }
-    bound = std::min(bound, value.lower());
   }
-  return bound;
+  return result;
 }
 
 /// First order: a . w for a w that is as long as b and at most delta away from R_j b in angle.
-double cap_order(const Model& model, const Box& box, const Leaf& leaf, const Sum& sum) {
+Corners cap_order(const Model& model, const Box& box, const Leaf& leaf, const Sum& sum) {
+  Corners result;
   const Form mass = mass_form(model, leaf);
   const std::vector<std::vector<double>> all = corners(model, box);
-  std::vector<Interval> values;
-  for (const std::vector<double>& z : all) values.push_back(at(mass, z));
+  for (const std::vector<double>& z : all) result.values.push_back(at(mass, z));
   for (const FrameTerms& frame : sum.frames) {
     for (const Term& t : frame.terms) {
       const double delta = sum.angles[frame.goal].delta[t.acting];
@@ -234,16 +232,58 @@ double cap_order(const Model& model, const Box& box, const Leaf& leaf, const Sum
           const Interval edge = along * turn.cos + norm(modsearch_check::cross(t.a, b)) * turn.sin;
           most = std::min(most, edge.upper());
         }
-        values[c] -= most;
+        result.values[c] -= most;
       }
     }
   }
-  double bound = INFINITY;
-  for (const Interval& value : values) bound = std::min(bound, value.lower());
-  return bound;
+  return result;
 }
 
 }  // namespace
+
+Shown::Shown(const Problem& problem, const Model& model, const Box& box, const Leaf& leaf)
+    : box_{box}, n_lengths_{model.n_lengths()}, cap_{leaf.cap} {
+  const Sum sum = sum_of(problem, model, box, leaf);
+  for (const Angles& angles : sum.angles) {
+    middle_.insert(middle_.end(), angles.middle.begin(), angles.middle.end());
+    half_.insert(half_.end(), angles.half.begin(), angles.half.end());
+  }
+  corners_ = cap_ ? cap_order(model, box, leaf, sum) : second_order(model, box, leaf, sum);
+  for (Interval& value : corners_.values) value += sum.constant;
+}
+
+double Shown::in_box() const {
+  double bound = INFINITY;
+  for (const Interval& value : corners_.values) bound = std::min(bound, value.lower());
+  return bound;
+}
+
+double Shown::in_part(std::size_t variable, double at, bool above) const {
+  const std::vector<Interval>& values = corners_.values;
+  double bound = INFINITY;
+  if (variable < n_lengths_) {
+    const Interval width = Interval{box_.upper[variable]} - Interval{box_.lower[variable]};
+    if (!(width.lower() > 0.0)) return in_box();
+    const Interval share = (Interval{at} - Interval{box_.lower[variable]}) / width;
+    const std::size_t bit = std::size_t{1} << variable;
+    for (std::size_t c = 0; c < values.size(); ++c) {
+      if ((c & bit) != 0) continue;
+      const Interval chord = (Interval{1.0} - share) * values[c] + share * values[c | bit];
+      bound = std::min({bound, chord.lower(), (above ? values[c | bit] : values[c]).lower()});
+    }
+    return bound;
+  }
+  if (cap_) throw Rejected("a first-order form shows nothing about a part of the angles");
+  const std::size_t v = variable - n_lengths_;
+  const Interval place = Interval{at} - Interval{middle_[v]};
+  const Interval end = above ? half_[v] : -half_[v];
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    const Interval& slope = corners_.slopes[c][v];
+    const Interval without = values[c] + abs(slope) * half_[v];
+    bound = std::min({bound, (without - slope * place).lower(), (without - slope * end).lower()});
+  }
+  return bound;
+}
 
 Box root_box(const Model& model, std::size_t n_goals) {
   Box box{model.lower, model.upper};
@@ -259,9 +299,7 @@ Box root_box(const Model& model, std::size_t n_goals) {
 }
 
 double lower_bound(const Problem& problem, const Model& model, const Box& box, const Leaf& leaf) {
-  const Sum sum = sum_of(problem, model, box, leaf);
-  const double bracket = leaf.cap ? cap_order(model, box, leaf, sum) : second_order(model, box, leaf, sum);
-  return (sum.constant + bracket).lower();
+  return Shown{problem, model, box, leaf}.in_box();
 }
 
 }  // namespace modsearch_check

@@ -35,7 +35,14 @@ struct Leaf {
 /// The box that holds every posture of every arm of the model.
 [[nodiscard]] Box root_box(const Model& model, std::size_t n_goals);
 
-/// Of a mass leaf: no achieved design in the box weighs less. Of the others: positive only if none is achieved in it.
+/// The bound at the corners of the box of lengths; corner c has length i at its upper end where bit i of c is set.
+struct Corners {
+  std::vector<Interval> values;               // [corners]
+  std::vector<std::vector<Interval>> slopes;  // dF/dq there, unless in first-order form [corners x angles]
+};
+
+/// What the multipliers of a leaf show about a box. Of a mass leaf: no achieved design weighs less. Of the others:
+/// positive only if none is achieved.
 ///
 /// An achieved design has y_g . p_g >= y_g . t_g - radius_g |y_g| for any y_g, p_g being the tip at goal g, and n . x
 /// >= beta for a body point x that an obstacle keeps away. So with y_g and mu >= 0 as multipliers
@@ -44,7 +51,28 @@ struct Leaf {
 /// F is a sum of terms a . R_j(q) b(z), b affine in the lengths z. From the centre c of the angles, Taylor's series
 /// bounds F above by F(z, c) + sum_v h_v |dF/dq_v| + remainders; each summand is convex in z, so what is in brackets is
 /// bounded below by a concave function, which is least at a corner of the box of lengths.
-/// Throws Rejected for a row that does not hold.
+///
+/// About the part of the box beyond a place of one variable, all else as before, the same expansion shows more: its
+/// slope counts from the place on instead of over the whole width, and concave in a length is above its chord.
+class Shown {
+ public:
+  /// Throws Rejected for a row that does not hold.
+  Shown(const Problem& problem, const Model& model, const Box& box, const Leaf& leaf);
+  /// About all of the box.
+  [[nodiscard]] double in_box() const;
+  /// About the part of it in which `variable` is at least (`above`) or at most `at`, a place in its interval. Throws
+  /// Rejected for an angle in first-order form.
+  [[nodiscard]] double in_part(std::size_t variable, double at, bool above) const;
+
+ private:
+  Box box_;
+  std::size_t n_lengths_ = 0;
+  bool cap_ = false;
+  std::vector<double> middle_;  // of the angles of all goals
+  std::vector<double> half_;    // their half-widths
+  Corners corners_;
+};
+
 [[nodiscard]] double lower_bound(const Problem& problem, const Model& model, const Box& box, const Leaf& leaf);
 
 }  // namespace modsearch_check

@@ -45,8 +45,7 @@ Leaf read_leaf(const Value& value, const Problem& problem, const Model& model) {
   return leaf;
 }
 
-void check_leaf(const Problem& problem, const Model& model, const Box& box, const Leaf& leaf, double upper) {
-  const double bound = lower_bound(problem, model, box, leaf);
+void check_bound(const Problem& problem, const Model& model, const Leaf& leaf, double bound, double upper) {
   if (!leaf.mass) {
     if (!(bound > 0.0)) throw Rejected("does not show that nothing there is achieved");
     return;
@@ -56,12 +55,34 @@ void check_leaf(const Problem& problem, const Model& model, const Box& box, cons
   }
 }
 
-/// A split whose first half (or second) is being looked at, and the interval it has cut in two.
+void check_leaf(const Problem& problem, const Model& model, const Box& box, const Leaf& leaf, double upper) {
+  check_bound(problem, model, leaf, lower_bound(problem, model, box, leaf), upper);
+}
+
+/// Of a list [leaf, part, part, ..] that the leaf closes every part, [variable, place, "above" or "below"], of `box`,
+/// and cuts them off what is `left`.
+void check_parts(const Problem& problem, const Model& model, const Box& box, const Value& parts, double upper,
+                 Box& left) {
+  const std::vector<Value> entries = parts.items();
+  if (entries.size() < 2) parts.fail("a leaf and the parts that it closes are needed");
+  const Leaf leaf = read_leaf(entries[0], problem, model);
+  const Shown shown{problem, model, box, leaf};
+  for (std::size_t i = 1; i < entries.size(); ++i) {
+    const std::vector<Value> part = entries[i].items(3);
+    const std::size_t v = part[0].natural(box.lower.size() - 1);
+    const double at = part[1].hex();
+    const bool above = part[2].choice({"above", "below"}) == 0;
+    if (!(left.lower[v] <= at && at <= left.upper[v])) throw Rejected("a part begins outside what is left of its box");
+    check_bound(problem, model, leaf, shown.in_part(v, at, above), upper);
+    (above ? left.upper : left.lower)[v] = at;
+  }
+}
+
+/// A split whose first half (or second) is being looked at.
 struct Open {
   std::size_t variable = 0;
   double at = 0.0;
-  double lower = 0.0;
-  double upper = 0.0;
+  Box box;  // that was split
   bool second = false;
 };
 
@@ -77,6 +98,8 @@ double best_score(const Problem& problem, std::size_t n, const Interval& costs, 
 void check_tree(const Problem& problem, const Model& model, const Value& tree, double upper, Count& count) {
   const std::size_t n_goals = problem.task.goals.size();
   Box box = root_box(model, n_goals);
+  // Nodes in preorder: a split, ["s", variable, place]; parts that are cut off the box and closed by what leaves show
+  // about all of it, ["c", [leaf, part, ..], ..]; or a leaf, which closes the box.
   std::vector<Open> open;
   bool covered = false;
   const Json& nodes = tree.json();
@@ -90,26 +113,30 @@ void check_tree(const Problem& problem, const Model& model, const Value& tree, d
       const std::size_t v = parts[1].natural(box.lower.size() - 1);
       const double at = parts[2].hex();
       if (!(box.lower[v] <= at && at <= box.upper[v])) throw Rejected(node.place() + ": the split is outside its box");
-      open.push_back({v, at, box.lower[v], box.upper[v], false});
+      open.push_back({v, at, box, false});
       box.upper[v] = at;
       continue;
     }
     try {
+      if (node.json()[0] == Json("c")) {
+        const std::vector<Value> groups = node.items();
+        Box left = box;
+        for (std::size_t k = 1; k < groups.size(); ++k) check_parts(problem, model, box, groups[k], upper, left);
+        count.leaves += groups.size() - 1;
+        box = std::move(left);
+        continue;
+      }
       check_leaf(problem, model, box, read_leaf(node, problem, model), upper);
     } catch (const Rejected& reason) {
       throw Rejected(node.place() + ": " + reason.what());
     }
     ++count.leaves;
-    while (!open.empty() && open.back().second) {
-      box.lower[open.back().variable] = open.back().lower;
-      box.upper[open.back().variable] = open.back().upper;
-      open.pop_back();
-    }
+    while (!open.empty() && open.back().second) open.pop_back();
     covered = open.empty();
     if (!covered) {
       open.back().second = true;
+      box = open.back().box;
       box.lower[open.back().variable] = open.back().at;
-      box.upper[open.back().variable] = open.back().upper;
     }
   }
   if (!covered) throw Rejected(tree.place() + ": the tree ends before everything is covered");

@@ -18,16 +18,17 @@ constexpr double kExplained = 0.5;  // share of what is missing that the width o
 // Less than this share of what is missing, and no body point that moves: no smaller box will do either, because bodies
 // count as a radius shorter at their flat ends than they are.
 constexpr double kHopeless = 0.01;
-constexpr double kWeightOfRows = 3;  // multiplier that a row without one is taken to get [kg/m]
-constexpr double kWorthwhile = 0.1;  // least share of an interval that is cut off
-constexpr double kNarrow = 1e-9;     // intervals that are not cut any more
+constexpr double kWeightOfRows = 3;    // multiplier that a row without one is taken to get [kg/m]
+constexpr double kWorthwhile = 0.1;    // least share of an interval that is cut off
+constexpr double kShortOfAll = 0.999;  // share of what the chord cuts off: rounding has to have room
+constexpr double kNarrow = 1e-9;       // intervals that are not cut any more
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
 NodeProver::NodeProver(const SequenceModel& model, const Scenery& scenery)
-    : model_{model}, scenery_{scenery}, bound_{model, scenery}, slab_bound_{model, scenery} {}
+    : model_{model}, scenery_{scenery}, bound_{model, scenery}, written_bound_{model, scenery} {}
 
 Multipliers NodeProver::first_multipliers() const {
   // One kilogram per metre towards the goals, shared among them.
@@ -69,8 +70,8 @@ void NodeProver::store(const std::vector<double>& values, bool cap, Multipliers&
 
 bool NodeProver::closes(const Box& box, const Multipliers& multipliers, double cut, Objective objective,
                         ClosedLeaf& leaf) {
-  load(slab_bound_, box, multipliers, slab_values_);
-  const double value = slab_bound_.value(slab_values_.data(), multipliers.cap, objective, nullptr);
+  load(written_bound_, box, multipliers, written_values_);
+  const double value = written_bound_.value(written_values_.data(), multipliers.cap, objective, nullptr);
   leaf.kind = objective;
   if (objective == Objective::kNothing) {
     if (!(value > 1e-8)) return false;
@@ -78,26 +79,36 @@ bool NodeProver::closes(const Box& box, const Multipliers& multipliers, double c
     return false;
   } else if (!(value >= cut)) {
     leaf.kind = Objective::kNothing;
-    if (!(slab_bound_.value(slab_values_.data(), multipliers.cap, Objective::kNothing, nullptr) > 1e-8)) return false;
+    if (!(written_bound_.value(written_values_.data(), multipliers.cap, Objective::kNothing, nullptr) > 1e-8))
+      return false;
   }
-  leaf.multipliers.y = multipliers.y;
-  leaf.multipliers.cap = multipliers.cap;
-  leaf.multipliers.rows.clear();
-  for (int r = 0; r < slab_bound_.n_rows(); ++r) {
-    leaf.multipliers.rows.push_back(slab_bound_.row(r));
-    // As the certificate has it: of the normal that is not scaled.
-    leaf.multipliers.rows.back().multiplier =
-        slab_values_[3 * multipliers.y.size() + at(r)] / slab_bound_.normal_length(r);
-  }
+  write(multipliers, leaf.kind, leaf);
   return true;
 }
 
+// The multipliers that `written_bound_` was loaded with.
+void NodeProver::write(const Multipliers& multipliers, Objective objective, ClosedLeaf& leaf) const {
+  leaf.kind = objective;
+  leaf.multipliers.y = multipliers.y;
+  leaf.multipliers.cap = multipliers.cap;
+  leaf.multipliers.rows.clear();
+  for (int r = 0; r < written_bound_.n_rows(); ++r) {
+    leaf.multipliers.rows.push_back(written_bound_.row(r));
+    // As the certificate has it: of the normal that is not scaled.
+    leaf.multipliers.rows.back().multiplier =
+        written_values_[3 * multipliers.y.size() + at(r)] / written_bound_.normal_length(r);
+  }
+}
+
 double NodeProver::contract(Box& box, const Multipliers& multipliers, double cut, double wanted, Objective objective,
-                            int only, std::vector<Slab>* slabs) {
+                            std::vector<CutOff>* cuts) {
   double left = 1.0;
   const int n = multipliers.cap ? model_.n_lengths() : box.size();
+  // What is heavier than all that is in the box is written down as what is not there.
+  const Objective written = objective == Objective::kMass && wanted >= cut ? Objective::kMass : Objective::kNothing;
+  const double enough = written == Objective::kMass ? cut : 1e-8;
+  std::optional<CutOff> group;
   for (int v = 0; v < n; ++v) {
-    if (only >= 0 && v != only) continue;
     const double width = bound_.box().width(v);
     if (width < kNarrow) continue;
     const NodeBound::Ends ends = bound_.ends(v);
@@ -107,28 +118,30 @@ double NodeProver::contract(Box& box, const Multipliers& multipliers, double cut
     if (!(most >= wanted) || !(most > least)) continue;
     const double share = std::min(1.0, (most - wanted) / (most - least));
     if (share < kWorthwhile) continue;
-    for (const double part : {0.999, 0.7}) {
-      const double place =
-          above ? bound_.box().upper[at(v)] - part * share * width : bound_.box().lower[at(v)] + part * share * width;
-      if (!(place > box.lower[at(v)] && place < box.upper[at(v)])) continue;
-      const double before = box.width(v);
-      if (slabs != nullptr) {
-        // What is written down has to hold by itself, seen from the middle of the part.
-        Box off = box;
-        (above ? off.lower : off.upper)[at(v)] = place;
-        Slab slab{v, place, above, {}};
-        if (!closes(off, multipliers, cut, objective, slab.leaf)) continue;
-        slabs->push_back(std::move(slab));
+    const double part = kShortOfAll * share;
+    const double place = above ? bound_.box().upper[at(v)] - part * width : bound_.box().lower[at(v)] + part * width;
+    if (!(place > box.lower[at(v)] && place < box.upper[at(v)])) continue;
+    if (cuts != nullptr) {
+      if (!group) {
+        group.emplace();
+        load(written_bound_, bound_.box(), multipliers, written_values_);
+        written_bound_.value(written_values_.data(), multipliers.cap, written, nullptr);
+        write(multipliers, written, group->leaf);
       }
-      (above ? box.upper : box.lower)[at(v)] = place;
-      left *= box.width(v) / before;
-      break;
+      const NodeBound::Ends there = written_bound_.ends(v);
+      const double end = above ? there.upper : there.lower;
+      if (!(end >= enough && end - part * std::abs(there.upper - there.lower) >= enough)) continue;
+      group->parts.push_back({v, place, above});
     }
+    const double before = box.width(v);
+    (above ? box.upper : box.lower)[at(v)] = place;
+    left *= box.width(v) / before;
   }
+  if (group && !group->parts.empty()) cuts->push_back(std::move(*group));
   return left;
 }
 
-double NodeProver::contract_by_reach(Box& box, double cut, std::vector<Slab>* slabs) {
+double NodeProver::contract_by_reach(Box& box, double cut, std::vector<CutOff>* cuts) {
   double left = 1.0;
   const int n_goals = static_cast<int>(scenery_.targets.size());
   const int K = model_.n_lengths();
@@ -167,7 +180,7 @@ double NodeProver::contract_by_reach(Box& box, double cut, std::vector<Slab>* sl
         values_.assign(at(3 * n_goals), 0.0);
         for (int k = 0; k < 3; ++k) values_[at(3 * g + k)] = sign * y[k];
         bound_.value(values_.data(), false, Objective::kNothing, nullptr);
-        left *= contract(box, multipliers, cut, 1e-7, Objective::kNothing, -1, slabs);
+        left *= contract(box, multipliers, cut, 1e-7, Objective::kNothing, cuts);
       }
     }
   }
@@ -220,7 +233,7 @@ void NodeProver::split_for_rows(const Box& box, bool hopeless, Verdict& verdict)
   }
 }
 
-Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::vector<Slab>* slabs) {
+Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::vector<std::vector<CutOff>>* rounds) {
   const int n_goals = static_cast<int>(scenery_.targets.size());
   Verdict verdict;
   verdict.bound = least_mass(model_, box);
@@ -279,8 +292,9 @@ Verdict NodeProver::prove(Box& box, Multipliers& multipliers, double cut, std::v
       if (lost < kExplained * (wanted - value)) split_for_rows(box, lost < kHopeless * (wanted - value), verdict);
     }
     if (cap) bound_.value(values_.data(), true, Objective::kMass, nullptr);
-    double left = contract(box, multipliers, cut, wanted, Objective::kMass, -1, slabs);
-    if (!cap || widest < 2.0) left *= contract_by_reach(box, cut, slabs);
+    std::vector<CutOff>* cuts = rounds != nullptr ? &rounds->emplace_back() : nullptr;
+    double left = contract(box, multipliers, cut, wanted, Objective::kMass, cuts);
+    if (!cap || widest < 2.0) left *= contract_by_reach(box, cut, cuts);
     if (left > kUnchanged) break;
   }
   if (verdict.split >= 0) {

@@ -11,12 +11,15 @@ struct ClosedLeaf {
   Multipliers multipliers;
 };
 
-/// A part of a box next to one end of a variable that was cut off and closed.
-struct Slab {
-  int variable = 0;
-  double at = 0.0;
-  bool upper = false;  ///< the part above `at`; else the part below
-  ClosedLeaf leaf;
+/// Parts of a box, each next to one end of a variable, that the same multipliers cut off.
+struct CutOff {
+  struct Part {
+    int variable = 0;
+    double at = 0.0;
+    bool above = false;  ///< the part above `at`; else the part below
+  };
+  ClosedLeaf leaf;  ///< about the whole box
+  std::vector<Part> parts;
 };
 
 /// What came of a box.
@@ -35,8 +38,9 @@ class NodeProver {
   NodeProver(const SequenceModel& model, const Scenery& scenery);
 
   /// `box` is cut down and `multipliers` are improved. `cut`: closed is what weighs at least this [kg]; +inf: what
-  /// holds nothing achieved. Parts cut off are appended to `slabs`, if it is not null.
-  [[nodiscard]] Verdict prove(Box& box, Multipliers& multipliers, double cut, std::vector<Slab>* slabs);
+  /// holds nothing achieved. Parts cut off are appended to `rounds`, if it is not null: those of one entry are all
+  /// about the box that the entries before have left.
+  [[nodiscard]] Verdict prove(Box& box, Multipliers& multipliers, double cut, std::vector<std::vector<CutOff>>* rounds);
 
   /// Multipliers to begin with: towards the goals.
   [[nodiscard]] Multipliers first_multipliers() const;
@@ -49,10 +53,11 @@ class NodeProver {
   // The leaf that closes the box by these multipliers, if they do.
   [[nodiscard]] bool closes(const Box& box, const Multipliers& multipliers, double cut, Objective objective,
                             ClosedLeaf& leaf);
+  void write(const Multipliers& multipliers, Objective objective, ClosedLeaf& leaf) const;
   // Cuts off what the last value of `bound_` closes against `wanted`; the share of the box that is left.
-  double contract(Box& box, const Multipliers& multipliers, double cut, double wanted, Objective objective, int only,
-                  std::vector<Slab>* slabs);
-  double contract_by_reach(Box& box, double cut, std::vector<Slab>* slabs);
+  double contract(Box& box, const Multipliers& multipliers, double cut, double wanted, Objective objective,
+                  std::vector<CutOff>* cuts);
+  double contract_by_reach(Box& box, double cut, std::vector<CutOff>* cuts);
   // Where to cut the box; what all its widths cost together, at these multipliers [kg].
   double choose_split(const Box& box, const std::vector<double>& values, Verdict& verdict);
   void split_for_rows(const Box& box, bool hopeless, Verdict& verdict);
@@ -60,10 +65,10 @@ class NodeProver {
   const SequenceModel& model_;
   const Scenery& scenery_;
   NodeBound bound_;
-  NodeBound slab_bound_;
+  NodeBound written_bound_;  // as a certificate has it
   Ascent ascent_;
   std::vector<RowCandidate> candidates_;
-  std::vector<double> values_, slab_values_, losses_, shares_;
+  std::vector<double> values_, written_values_, losses_, shares_;
 };
 
 }  // namespace modsearch::certify

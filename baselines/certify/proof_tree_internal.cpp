@@ -34,28 +34,21 @@ class Writer {
   bool close(Box box, Multipliers multipliers, int depth) {
     if (stop_()) return fail("the time is up");
     if (depth > kDeepest) return fail("a box does not close, however small it is cut");
-    std::vector<Slab> slabs;
-    const Verdict verdict = prover_.prove(box, multipliers, cut_, &slabs);
-    // What was cut off below a place comes before the rest, what was cut off above it after.
-    for (const Slab& slab : slabs) {
-      split(slab.variable, slab.at);
-      if (!slab.upper) leaf(slab.leaf);
-    }
+    std::vector<std::vector<CutOff>> rounds;
+    const Verdict verdict = prover_.prove(box, multipliers, cut_, &rounds);
+    for (const std::vector<CutOff>& cuts : rounds) cut_off(cuts);
     if (verdict.closed) {
+      begin();
       leaf(verdict.leaf);
-    } else {
-      if (verdict.split < 0) return fail("a box does not close, however small it is cut");
-      split(verdict.split, verdict.at);
-      Box below = box;
-      below.upper[at(verdict.split)] = verdict.at;
-      if (!close(std::move(below), multipliers, depth + 1)) return false;
-      box.lower[at(verdict.split)] = verdict.at;
-      if (!close(std::move(box), std::move(multipliers), depth + 1)) return false;
+      return true;
     }
-    std::for_each(slabs.rbegin(), slabs.rend(), [this](const Slab& slab) {
-      if (slab.upper) leaf(slab.leaf);
-    });
-    return true;
+    if (verdict.split < 0) return fail("a box does not close, however small it is cut");
+    begin() += fmt::format("[\"s\",{},{}]", verdict.split, hex(verdict.at));
+    Box below = box;
+    below.upper[at(verdict.split)] = verdict.at;
+    if (!close(std::move(below), multipliers, depth + 1)) return false;
+    box.lower[at(verdict.split)] = verdict.at;
+    return close(std::move(box), std::move(multipliers), depth + 1);
   }
 
   bool fail(const char* why) {
@@ -63,12 +56,25 @@ class Writer {
     return false;
   }
 
-  void split(int variable, double place) { begin() += fmt::format("[\"s\",{},{}]", variable, hex(place)); }
+  void cut_off(const std::vector<CutOff>& cuts) {
+    if (cuts.empty()) return;
+    std::string& text = begin();
+    text += "[\"c\"";
+    for (const CutOff& cut : cuts) {
+      text += ",[";
+      leaf(cut.leaf);
+      for (const CutOff::Part& part : cut.parts) {
+        text += fmt::format(",[{},{},\"{}\"]", part.variable, hex(part.at), part.above ? "above" : "below");
+      }
+      text += "]";
+    }
+    text += "]";
+  }
 
   void leaf(const ClosedLeaf& closed) {
     ++outcome_.leaves;
     const Multipliers& m = closed.multipliers;
-    std::string& text = begin();
+    std::string& text = outcome_.nodes;
     text += closed.kind == Objective::kMass ? "[\"m" : "[\"n";
     text += m.cap ? "c\"" : "\"";
     for (const Eigen::Vector3d& y : m.y) text += fmt::format(",{},{},{}", hex(y.x()), hex(y.y()), hex(y.z()));
