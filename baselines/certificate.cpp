@@ -249,7 +249,6 @@ Certificate make_certificate(const RobotProblem& problem, const CertifyOptions& 
     while (!search.step(meter) && meter.progress().seconds < half) {
     }
     certificate.boxes = search.expanded();
-    if (getenv("DBG")) fmt::print("{}\n", search.what_is_open());
     certificate.closed = search.closed();
     witness = search.best_witness();
     certificate.upper = search.upper(meter);

@@ -19,7 +19,7 @@ constexpr double kExplained = 0.5;  // share of what is missing that the width o
 // count as a radius shorter at their flat ends than they are.
 constexpr double kHopeless = 0.01;
 constexpr double kWeightOfRows = 3;    // multiplier that a row without one is taken to get [kg/m]
-constexpr double kWeightOfGoals = 1;  // least length of a goal's multiplier where boxes are cut [kg/m]
+constexpr double kWeightOfGoals = 1;   // least length of a goal's multiplier where boxes are cut [kg/m]
 constexpr double kWorthwhile = 0.1;    // least share of an interval that is cut off
 constexpr double kShortOfAll = 0.999;  // share of what the chord cuts off: rounding has to have room
 constexpr double kNarrow = 1e-9;       // intervals that are not cut any more
@@ -205,7 +205,7 @@ double NodeProver::choose_split(const Box& box, const std::vector<double>& value
   }
   // Nor does a goal lose anything that has no multiplier: it may get one where its posture is better known.
   const int n_goals = static_cast<int>(scenery_.targets.size());
-  for (int g = 0; g < n_goals && n_goals > 1; ++g) {
+  for (int g = 0; g < n_goals; ++g) {
     const double weight = kWeightOfGoals - Eigen::Vector3d{&values[at(3 * g)]}.norm();
     if (weight <= 0.0) continue;
     const int first = model_.n_lengths() + g * model_.n_joints();

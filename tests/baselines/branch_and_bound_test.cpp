@@ -3,8 +3,11 @@
 #include <cmath>
 #include <modsearch/baselines/auto_solver.hpp>
 #include <modsearch/baselines/branch_and_bound.hpp>
+#include <modsearch/baselines/certify/sequence_model_internal.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/problem/files.hpp>
+
+#include "places.hpp"
 
 namespace modsearch {
 namespace {
@@ -87,6 +90,31 @@ TEST(BranchAndBound, LeavesWhatItCannotProveToEnumeration) {
   EXPECT_FALSE(BranchAndBound{}.covers(problem));
   const Solution solution = solved(problem, 1e-4, {.evaluations = 50});
   EXPECT_GT(solution.spent.evaluations, 0);
+}
+
+// A task that is not known to be goals and nothing else.
+class OwnTask final : public Task {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "own"; }
+  [[nodiscard]] std::span<const Goal> goals() const override { return goals_; }
+
+ private:
+  std::vector<Goal> goals_{{"1", GoalType::kReach, PoseRegion::ball({0.9, 0.0, 1.0}, 1e-3)}};
+};
+
+TEST(BranchAndBound, SaysWhyATaskIsNotCovered) {
+  const auto why = [](const RobotProblem& problem) {
+    EXPECT_EQ(BranchAndBound{}.covers(problem), !certify::why_not_covered(problem));
+    return certify::why_not_covered(problem).value_or("covered");
+  };
+  const std::filesystem::path tasks = test::source_folder() / "examples" / "tasks";
+  EXPECT_EQ(why(*load_problem((tasks / "placed_base.json").string())), "the place of the base is part of the design");
+  EXPECT_EQ(why(*load_problem((tasks / "moving.json").string())), "an obstacle moves");
+  EXPECT_EQ(why(*load_problem((tasks / "follow.json").string())), "its task has trajectories, pauses or returns");
+  RobotProblemSpec spec = load_problem("seed/fixed")->spec();
+  EXPECT_EQ(why(RobotProblem{spec}), "covered");
+  spec.task = std::make_shared<OwnTask>();
+  EXPECT_EQ(why(RobotProblem{spec}), "its task may be more than goals to reach");
 }
 
 TEST(BranchAndBound, RefusesGapsOutOfRange) {

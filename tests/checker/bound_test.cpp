@@ -121,6 +121,46 @@ TEST_F(Bounds, LeaveNoArmOutThatReachesAndIsFree) {
   EXPECT_GT(with_rows, 5'000);
 }
 
+TEST_F(Bounds, OfPartsLeaveNoArmOutThatIsInThem) {
+  int angles = 0, stronger = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const Arm arm = draw_arm(3);
+    const Model model = Assembler{problem_}.model(arm.types);
+    problem_.task.goals[0].position = arm.tip;
+    const Box box = draw_box(model, arm);
+    Leaf leaf{bits_() % 2 == 0, false, {Numbers{uniform(-2.0, 2.0), uniform(-2.0, 2.0), uniform(-2.0, 2.0)}}, {}};
+    const std::size_t v = index(box.lower.size());
+    leaf.cap = v < model.n_lengths() && bits_() % 4 == 0;
+    std::vector<double> at(model.n_lengths());
+    for (std::size_t k = 0; k < arm.x.size(); ++k) at[model.variable_of[k]] += arm.x[k];
+    at.insert(at.end(), arm.q.begin(), arm.q.end());
+    const bool above = bits_() % 2 == 0;
+    const double end = above ? box.lower[v] : box.upper[v];
+    const Shown shown{problem_, model, box, leaf};
+    const double bound = shown.in_part(v, at[v] + uniform(0.0, 1.0) * (end - at[v]), above);
+    EXPECT_LE(bound, (leaf.mass ? arm.mass : 0.0) + 1e-9);
+    EXPECT_GE(shown.in_part(v, end, above), shown.in_box() - 1e-9);
+    angles += v >= model.n_lengths() ? 1 : 0;
+    stronger += shown.in_part(v, at[v], above) > shown.in_box() + 1e-3 ? 1 : 0;
+  }
+  EXPECT_GT(angles, 5'000);
+  EXPECT_GT(stronger, 5'000);
+}
+
+TEST_F(Bounds, OfAPartIsThatOfTheWholeBoxUpToItsEnd) {
+  // At the far end of a length only the corners there are left.
+  const Arm arm = draw_arm(1);
+  const Model model = Assembler{problem_}.model(arm.types);
+  Box box = draw_box(model, arm);
+  const Leaf leaf{true, false, {Numbers{0.4, 0.2, -0.3}}, {}};
+  const Shown shown{problem_, model, box, leaf};
+  const double whole = std::min(shown.in_part(0, box.upper[0], true), shown.in_part(0, box.lower[0], false));
+  EXPECT_NEAR(whole, shown.in_box(), 1e-12);
+  EXPECT_THROW(static_cast<void>(Shown{problem_, model, box, {true, true, leaf.y, {}}}.in_part(model.n_lengths(),
+                                                                                               box.lower.back(), true)),
+               Rejected);
+}
+
 TEST_F(Bounds, AreExactAtAPoint) {
   for (int i = 0; i < 200; ++i) {
     const Arm arm = draw_arm(3);

@@ -253,6 +253,13 @@ TEST_F(Certificates, OfHarderFamiliesAreAccepted) {
   }
 }
 
+TEST_F(Certificates, OfTwoGoalsThatOneModuleNearlyReachesTakeFewBoxes) {
+  const modsearch::Certificate certificate = made("breakeven/two_goals", 1, 0.05);
+  ASSERT_TRUE(certificate.closed);
+  EXPECT_LT(certificate.boxes, 1000);
+  EXPECT_EQ(checked(certificate.json).upper, certificate.upper);
+}
+
 TEST_F(Certificates, ThatAreChangedAreRejectedWhereTheyClaimTooMuch) {
   const Json good = Json::parse(made("seed/random_obstacles", 3, 1e-3).json);
   EXPECT_NO_THROW(static_cast<void>(checked(good.dump())));
@@ -268,6 +275,17 @@ TEST_F(Certificates, ThatAreChangedAreRejectedWhereTheyClaimTooMuch) {
   Json& tree = open["sequences"][0]["tree"];
   tree.erase(tree.size() - 1);
   EXPECT_THROW(static_cast<void>(checked(open.dump())), Rejected);
+  Json wider = good;  // a part that reaches into what holds the best design
+  for (Json& sequence : wider["sequences"]) {
+    for (Json& node : sequence["tree"]) {
+      if (node[0] != "c") continue;
+      Json& part = node[1][1];
+      const double place = std::strtod(part[1].get<std::string>().c_str(), nullptr);
+      part[1] = hex(part[2] == "above" ? place - 0.05 : place + 0.05);
+    }
+  }
+  ASSERT_NE(wider, good);
+  EXPECT_THROW(static_cast<void>(checked(wider.dump())), Rejected);
   Json moved = good;
   moved["incumbent"]["postures"][0][0] = hex(0.1);
   EXPECT_THROW(static_cast<void>(checked(moved.dump())), Rejected);
