@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <functional>
 #include <map>
+#include <modsearch/baselines/branch_and_bound.hpp>
 #include <modsearch/baselines/certificate.hpp>
 #include <modsearch/problem/files.hpp>
 #include <modsearch/problem/rng.hpp>
@@ -129,7 +130,27 @@ struct Row {
   std::string builtin{};  // a sampled problem, else
   std::function<Scene(Rng&)> draw{};
   std::optional<int> fewer{};
+  int forced = 0;  // drawn again until so many modules reach without the obstacles, and were not seen to among them
 };
+
+// Whether a short search, the same on every machine, finds a design of at most `most` modules.
+bool found_quickly(Scene scene, int most, const std::string& file) {
+  scene.max_modules = most + 1;
+  write_file(file, scene.json());
+  Meter meter{{.evaluations = 1'000'000'000}};
+  const Solution solution = BranchAndBound{{.gap = 0.05, .boxes = 300}}.solve(*load_problem(file), meter, Rng{0});
+  return solution.evaluation.attempt.achieved;
+}
+
+Scene drawn(const Row& row, Rng& rng, const std::string& file) {
+  for (;;) {
+    Scene scene = row.draw(rng);
+    if (row.forced == 0) return scene;
+    Scene empty = scene;
+    empty.obstacles.clear();
+    if (found_quickly(empty, row.forced, file) && !found_quickly(scene, row.forced, file)) return scene;
+  }
+}
 
 std::vector<Row> rows() {
   std::vector<Row> all;
@@ -176,27 +197,16 @@ std::vector<Row> rows() {
                    scene.obstacles.push_back({{x, 0.0, height + rng.uniform(0.6, 0.9)}, {2.0, 2.0, 0.08}});
                    return scene;
                  }});
-  all.push_back({.name = "3 modules, obstacles", .gap = 5e-2, .draw = [](Rng& rng) {
-                   Scene scene{.library = "seed/short", .max_modules = 7, .targets = {in_shell(2.3, 3.0, rng)}};
-                   for (int n = between(2, 4, rng); n > 0; --n) block(scene, 0.2, 0.85, 0.3, rng);
-                   return scene;
-                 }});
-  all.push_back({.name = "fewer than 2, obstacles",
-                 .draw =
-                     [](Rng& rng) {
-                       Scene scene{.library = "seed/short", .max_modules = 7, .targets = {in_shell(0.8, 1.1, rng)}};
-                       for (int n = between(1, 3, rng); n > 0; --n) block(scene, 0.3, 0.8, 0.3, rng);
-                       return scene;
-                     },
-                 .fewer = 1});
-  all.push_back({.name = "fewer than 3, obstacles",
-                 .draw =
-                     [](Rng& rng) {
-                       Scene scene{.library = "seed/short", .max_modules = 7, .targets = {in_shell(1.9, 2.4, rng)}};
-                       for (int n = between(2, 4, rng); n > 0; --n) block(scene, 0.2, 0.85, 0.3, rng);
-                       return scene;
-                     },
-                 .fewer = 2});
+  const auto in_the_way = [](double least, double most) {
+    return [=](Rng& rng) {
+      Scene scene{.library = "seed/short", .max_modules = 7, .targets = {in_shell(least, most, rng)}};
+      for (int n = between(2, 5, rng); n > 0; --n) block(scene, 0.2, 0.85, 0.3, rng);
+      return scene;
+    };
+  };
+  all.push_back({.name = "3 modules, obstacles", .gap = 5e-2, .draw = in_the_way(1.2, 1.75), .forced = 2});
+  all.push_back({.name = "fewer than 2, obstacles", .draw = in_the_way(0.6, 1.1), .fewer = 1, .forced = 1});
+  all.push_back({.name = "fewer than 3, obstacles", .draw = in_the_way(1.2, 1.75), .fewer = 2, .forced = 2});
   all.push_back({.name = "4 to 6 modules", .gap = 1e-3, .draw = [](Rng& rng) {
                    return Scene{.library = "seed/short", .max_modules = 7, .targets = {in_shell(3.7, 6.0, rng)}};
                  }});
@@ -230,7 +240,8 @@ void run_row(const Row& row, const Arguments& arguments) {
     std::optional<Instance> instance;
     if (name.empty()) {
       name = (arguments.folder / fmt::format("problem-{}.json", i)).string();
-      write_file(name, row.draw(rng).json());
+      const std::string file = name;
+      write_file(file, drawn(row, rng, file).json());
     } else if (load_problem_file(name).sampling) {
       instance = Instance{2022, i};
     } else if (i > arguments.first) {
