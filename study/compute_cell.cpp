@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <modsearch/problem/robot_problem.hpp>
 #include <modsearch/rl/saved_policy.hpp>
 #include <modsearch/study/compute_cell.hpp>
 #include <modsearch/study/text_hash.hpp>
@@ -26,6 +27,12 @@ double mass_of(const DesignProblem& problem, const Design& design) {
   return problem.library().assemble(design.types()).mass(design.parameters());
 }
 
+// The base included: it is a module of the design itself where it may be placed.
+int n_modules(const DesignProblem& problem, const Design& design) {
+  if (const auto* robot = dynamic_cast<const RobotProblem*>(&problem)) return robot->n_modules(design);
+  return static_cast<int>(design.modules.size()) + 1;
+}
+
 // Keeps the design behind each point of a meter's trace; what it weighs is looked up after the search.
 class TraceDesigns {
  public:
@@ -40,7 +47,7 @@ class TraceDesigns {
                         .seconds = point.seconds,
                         .score = point.score,
                         .achieved = point.achieved,
-                        .modules = static_cast<int>(designs_[i].modules.size()) + 1,
+                        .modules = n_modules(problem, designs_[i]),
                         .mass = mass_of(problem, designs_[i])});
     }
     return result;
@@ -57,9 +64,8 @@ CellOutcome outcome_of(const DesignProblem& problem, const Solution& solution, b
   outcome.achieved = solution.evaluation.attempt.achieved;
   outcome.reached = solution.evaluation.attempt.reached;
   if (!outcome.achieved) outcome.failure = name(solution.evaluation.attempt.why);
-  outcome.goal_error =
-      evaluated ? solution.evaluation.attempt.goal_error : std::numeric_limits<double>::infinity();
-  outcome.modules = static_cast<int>(solution.design.modules.size()) + 1;
+  outcome.goal_error = evaluated ? solution.evaluation.attempt.goal_error : std::numeric_limits<double>::infinity();
+  outcome.modules = n_modules(problem, solution.design);
   outcome.mass = mass_of(problem, solution.design);
   for (const Term& term : solution.evaluation.terms.items()) {
     outcome.terms.push_back({std::string{name(term.id)}, term.value});
@@ -105,10 +111,11 @@ void train(const StudyTraining& plan, CellRecord& record, const std::filesystem:
   const Training training = AgentLearner{settings}.train(plan.source, meter, Rng{record.key.seed});
   const auto& policy = dynamic_cast<const Policy&>(*training.policy);
   if (training.end == TrainingEnd::kDiverged || !has_finite_weights(policy)) {
-    throw std::runtime_error(fmt::format("the training of '{}' diverged: smaller learning rates may help", record.key.label));
+    throw std::runtime_error(
+        fmt::format("the training of '{}' diverged: smaller learning rates may help", record.key.label));
   }
-  const double mean_return =
-      training.history.empty() ? -std::numeric_limits<double>::infinity() : training.history.back().evaluation.mean_return;
+  const double mean_return = training.history.empty() ? -std::numeric_limits<double>::infinity()
+                                                      : training.history.back().evaluation.mean_return;
   CellOutcome& outcome = record.outcome.emplace();
   outcome.training = TrainingFacts{.episodes = training.episodes,
                                    .steps = training.steps,

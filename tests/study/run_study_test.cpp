@@ -17,6 +17,7 @@
 #include <sstream>
 #include <thread>
 
+#include "places.hpp"
 #include "problem/temporary_folder.hpp"
 
 namespace modsearch {
@@ -44,7 +45,9 @@ StudySolver scripted(const std::string& name, Scripted::Search search) {
   return {.label = name, .text = name, .solver = std::make_shared<Scripted>(std::move(search))};
 }
 
-StudySolver random_solver() { return {.label = "random", .text = "random", .solver = std::make_shared<RandomSearch>()}; }
+StudySolver random_solver() {
+  return {.label = "random", .text = "random", .solver = std::make_shared<RandomSearch>()};
+}
 
 /// Two problems, three instances in all, two solvers, two seeds: twelve runs of some milliseconds.
 Study small_study() {
@@ -127,6 +130,21 @@ TEST_F(RunStudy, GivesWhatTheSolverGivesByItself) {
   ASSERT_EQ(cell->trace.size(), meter.trace().size());
   EXPECT_EQ(cell->trace.back().modules, static_cast<int>(alone.design.modules.size()) + 1);
   EXPECT_EQ(cell->trace.back().mass, problem->chain(alone.design.types()).mass(alone.design.parameters()));
+}
+
+TEST_F(RunStudy, CountsAPlacedBaseOnce) {
+  Study study = small_study();
+  study.problems = {study_problem((test::source_folder() / "examples/tasks/placed_base.json").string())};
+  study.solvers = {study.solvers.back()};
+  study.seeds = {0};
+  const StudyRecord record = run_in("a", study);
+  ASSERT_EQ(record.cells.size(), 1U);
+  ASSERT_EQ(record.cells.front().state, CellState::kDone);
+  const CellOutcome& outcome = record.cells.front().outcome.value();
+  ASSERT_FALSE(outcome.design.modules.empty());
+  EXPECT_EQ(outcome.design.modules.front().type, "base");
+  EXPECT_EQ(outcome.modules, static_cast<int>(outcome.design.modules.size()));
+  EXPECT_EQ(record.cells.front().trace.back().modules, outcome.modules);
 }
 
 TEST_F(RunStudy, DoesNotDependOnTheNumberOfJobsOrTheOrder) {
@@ -238,7 +256,8 @@ TEST_F(RunStudy, StopsWithAReportWhereACellComesOutDifferently) {
   study.seeds = {5};
   study.solvers = {scripted("moody", nondeterministic)};
   const std::string complaint = refusal<StudyContradiction>(study, {.folder = at("a"), .recheck = 1});
-  EXPECT_THAT(complaint, HasSubstr("run of moody on seed/fixed with seed 5) was computed twice with different results"));
+  EXPECT_THAT(complaint,
+              HasSubstr("run of moody on seed/fixed with seed 5) was computed twice with different results"));
   EXPECT_THAT(complaint, HasSubstr(": 1 and 2"));
 }
 
@@ -274,8 +293,7 @@ TEST_F(RunStudy, RefusesToGoOnWithAnotherStudysJournal) {
   static_cast<void>(run_in("a", small_study()));
   Study other = small_study();
   other.budget.evaluations = 21;
-  EXPECT_THAT(refusal<FileError>(other, {.folder = at("a"), .resume = true}),
-              HasSubstr("would not belong together"));
+  EXPECT_THAT(refusal<FileError>(other, {.folder = at("a"), .resume = true}), HasSubstr("would not belong together"));
 }
 
 TEST_F(RunStudy, StopsWhenAskedAndGoesOnLater) {
@@ -339,8 +357,8 @@ TEST_F(RunStudy, TrainsEachAgentOncePerTrainingSeedAndUsesItsPolicy) {
   // A policy that is used by itself does the same.
   const auto problem = load_problem("seed/fixed");
   Meter meter{study.budget};
-  const Solution alone = load_trained_policy(at("a") / record.cells[1].outcome->training->policy)
-                             ->solve(*problem, meter, Rng{1});
+  const Solution alone =
+      load_trained_policy(at("a") / record.cells[1].outcome->training->policy)->solve(*problem, meter, Rng{1});
   EXPECT_EQ(record.cells[3].outcome->score, alone.evaluation.score);
 }
 
