@@ -1,28 +1,22 @@
 #pragma once
 
-#include <chrono>
 #include <modsearch/study/run_study.hpp>
+
+#include "app/progress_line.hpp"
 
 namespace modsearch::app {
 
-/// Shows on stderr how a comparison goes: a bar with the time left on a terminal, a plain line every few seconds
-/// otherwise, nothing when quiet.
+/// Shows on stderr how a comparison goes, with the time left.
 class StudyDisplay {
  public:
-  explicit StudyDisplay(bool quiet);
-  ~StudyDisplay();
-  StudyDisplay(const StudyDisplay&) = delete;
-  StudyDisplay& operator=(const StudyDisplay&) = delete;
+  explicit StudyDisplay(bool quiet) : line_{quiet} {}
 
   void update(const StudyProgress& progress);
   /// Takes the bar off the screen.
-  void finish();
+  void finish() { line_.finish(); }
 
  private:
-  bool quiet_;
-  bool terminal_;
-  bool shown_ = false;
-  std::chrono::steady_clock::time_point last_;
+  ProgressLine line_;
 };
 
 }  // namespace modsearch::app

@@ -455,7 +455,9 @@ TEST(BadUsage, WithoutACommandNamesThemAll) {
   const TemporaryFolder folder;
   const Outcome outcome = modsearch({}, folder);
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.err, "modsearch: no command given: one of solve, train, compare, evaluate, verify, render, list\n");
+  EXPECT_EQ(outcome.err,
+            "modsearch: no command given: one of solve, train, compare, evaluate, verify, render, convert, generate, "
+            "certify, check-certificate, list\n");
 }
 
 TEST(Help, ShowsAnExampleForEverySubcommand) {
