@@ -4,7 +4,9 @@
 
 #include <modsearch/baselines/annealing.hpp>
 #include <modsearch/baselines/auto_solver.hpp>
+#include <modsearch/baselines/branch_and_bound.hpp>
 #include <modsearch/baselines/cat_cma.hpp>
+#include <modsearch/baselines/certificate.hpp>
 #include <modsearch/baselines/cma_es.hpp>
 #include <modsearch/baselines/eliminate.hpp>
 #include <modsearch/baselines/enumerate.hpp>
