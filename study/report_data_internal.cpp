@@ -137,7 +137,7 @@ Json instance_json(const StudyRuns& runs, std::size_t index, const ViewLinks& vi
   const InstanceFacts& facts = runs.instances[index];
   Json out{{"name", facts.name()},
            {"problem", facts.problem},
-           {"certificate", name(facts.certificate())},
+           {"certificate", name(facts.certainty())},
            {"bound", facts.bound ? number(*facts.bound) : Json()},
            {"regrets", Json::array()}};
   if (facts.best != nullptr) {

@@ -42,15 +42,15 @@ double price_of_mass(const CellOutcome& outcome) {
 
 }  // namespace
 
-std::string_view name(Certificate certificate) {
-  switch (certificate) {
-    case Certificate::kOptimal:
+std::string_view name(Certainty certainty) {
+  switch (certainty) {
+    case Certainty::kOptimal:
       return "optimal";
-    case Certificate::kBounded:
+    case Certainty::kBounded:
       return "bounded";
-    case Certificate::kUnreachable:
+    case Certainty::kUnreachable:
       return "unreachable";
-    case Certificate::kNone:
+    case Certainty::kNone:
       return "none";
   }
   return "none";
@@ -60,14 +60,14 @@ std::string InstanceFacts::name() const {
   return instance ? fmt::format("{} {}:{}", problem, instance->seed, instance->index) : problem;
 }
 
-Certificate InstanceFacts::certificate() const {
-  if (best == nullptr && unreachable) return Certificate::kUnreachable;
-  if (!bound) return Certificate::kNone;
-  if (best == nullptr) return Certificate::kBounded;
+Certainty InstanceFacts::certainty() const {
+  if (best == nullptr && unreachable) return Certainty::kUnreachable;
+  if (!bound) return Certainty::kNone;
+  if (best == nullptr) return Certainty::kBounded;
   const CellOutcome& outcome = *best->outcome;
   const double slack = std::max(kCertifiedGap * std::max(1.0, std::abs(*bound)),
                                 kCertifiedShare * price_of_mass(outcome) * outcome.mass);
-  return *bound - outcome.score <= slack ? Certificate::kOptimal : Certificate::kBounded;
+  return *bound - outcome.score <= slack ? Certainty::kOptimal : Certainty::kBounded;
 }
 
 std::optional<double> InstanceFacts::reference_score() const {
@@ -121,7 +121,7 @@ StudyRuns runs_of(const StudyRecord& record, std::string_view problem) {
     const InstanceFacts& facts = facts_of(out.instances, cell.key);
     const auto solver = std::find_if(out.solvers.begin(), out.solvers.end(),
                                      [&](const SolverFacts& candidate) { return candidate.label == cell.key.label; });
-    if (solver == out.solvers.end() || facts.certificate() == Certificate::kUnreachable) continue;
+    if (solver == out.solvers.end() || facts.certificate() == Certainty::kUnreachable) continue;
     out.runs[static_cast<std::size_t>(solver - out.solvers.begin())]
             [static_cast<std::size_t>(&facts - out.instances.data())]
                 .push_back(&cell);

@@ -9,14 +9,14 @@
 namespace modsearch {
 
 /// How much is known about the best that an instance allows.
-enum class Certificate {
+enum class Certainty {
   kOptimal,      ///< a design is known that scores what the bound allows, within kCertifiedShare
   kBounded,      ///< there is a bound, and a gap to it
   kUnreachable,  ///< proved: no design achieves the task
   kNone,         ///< no bound; what is best is the best of this study
 };
 /// "optimal", "bounded", "unreachable", "none".
-[[nodiscard]] std::string_view name(Certificate certificate);
+[[nodiscard]] std::string_view name(Certainty certainty);
 
 /// A design this close to the bound counts as optimal: the share of its mass that might still be saved, which is what
 /// proofs are asked for on the reference scenarios, and a little for how that is rounded.
@@ -34,7 +34,7 @@ struct InstanceFacts {
 
   /// "seed/random_wide 1:0", or the problem alone.
   [[nodiscard]] std::string name() const;
-  [[nodiscard]] Certificate certificate() const;
+  [[nodiscard]] Certainty certainty() const;
   /// What regret is measured from: the bound where there is one (never below the best known score), else the best known
   /// score; nothing where neither is known.
   [[nodiscard]] std::optional<double> reference_score() const;

@@ -104,14 +104,14 @@ void compare_all(Summary& summary, const StudyRuns& runs, const std::vector<std:
 void count_certificates(Summary& summary, const StudyRuns& runs) {
   for (std::size_t i = 0; i < runs.instances.size(); ++i) {
     const InstanceFacts& facts = runs.instances[i];
-    const Certificate certificate = facts.certificate();
-    summary.unreachable += certificate == Certificate::kUnreachable;
+    const Certainty certainty = facts.certainty();
+    summary.unreachable += certainty == Certainty::kUnreachable;
     const bool has_runs =
         std::any_of(runs.runs.begin(), runs.runs.end(), [&](const auto& of_solver) { return !of_solver[i].empty(); });
     if (!has_runs) continue;
     ++summary.instances;
-    summary.optimal += certificate == Certificate::kOptimal;
-    if (certificate != Certificate::kBounded) continue;
+    summary.optimal += certainty == Certainty::kOptimal;
+    if (certainty != Certainty::kBounded) continue;
     ++summary.bounded;
     const double gap = facts.best == nullptr ? INFINITY : *facts.bound - facts.best->outcome->score;
     summary.largest_gap = std::max(summary.largest_gap, gap);
