@@ -121,7 +121,7 @@ StudyRuns runs_of(const StudyRecord& record, std::string_view problem) {
     const InstanceFacts& facts = facts_of(out.instances, cell.key);
     const auto solver = std::find_if(out.solvers.begin(), out.solvers.end(),
                                      [&](const SolverFacts& candidate) { return candidate.label == cell.key.label; });
-    if (solver == out.solvers.end() || facts.certificate() == Certainty::kUnreachable) continue;
+    if (solver == out.solvers.end() || facts.certainty() == Certainty::kUnreachable) continue;
     out.runs[static_cast<std::size_t>(solver - out.solvers.begin())]
             [static_cast<std::size_t>(&facts - out.instances.data())]
                 .push_back(&cell);

@@ -33,14 +33,14 @@ TEST(InstanceFacts, MeasuresFromTheBoundWhereThereIsOne) {
   const StudyRuns runs = runs_of(record);
   const InstanceFacts& bounded = runs.instances[1];
   EXPECT_EQ(bounded.name(), "seed/random_narrow 1:1");
-  EXPECT_EQ(bounded.certificate(), Certainty::kBounded);
+  EXPECT_EQ(bounded.certainty(), Certainty::kBounded);
   EXPECT_NEAR(*bounded.reference_score(), 350.0 - 5.0 * 1.62, 1e-9);
   EXPECT_NEAR(bounded.reference_mass(), 1.62, 1e-9) << "the mass at which two modules score the bound";
   EXPECT_EQ(bounded.reference_modules(), 2);
   EXPECT_EQ(bounded.dimension(), 3) << "a type and two lengths";
 
   const InstanceFacts& open = runs.instances[3];
-  EXPECT_EQ(open.certificate(), Certainty::kNone);
+  EXPECT_EQ(open.certainty(), Certainty::kNone);
   EXPECT_EQ(*open.reference_score(), open.best->outcome->score);
   EXPECT_EQ(open.reference_mass(), open.best->outcome->mass);
 }
@@ -50,7 +50,7 @@ TEST(InstanceFacts, IsOptimalWhereTheBestScoresTheBound) {
   CellRecord& bound = record.cells[1];
   ASSERT_EQ(bound.key.kind, CellKind::kBound);
   bound.outcome->bound->score = record.cells[2].outcome->score;
-  EXPECT_EQ(runs_of(record).instances[0].certificate(), Certainty::kOptimal);
+  EXPECT_EQ(runs_of(record).instances[0].certainty(), Certainty::kOptimal);
 }
 
 TEST(InstanceFacts, NeverTakesABoundBelowWhatIsAchieved) {
@@ -68,7 +68,7 @@ TEST(StudyRuns, LeaveOutInstancesThatAreProvedUnreachable) {
     if (cell.outcome) cell.outcome->achieved = false;
   }
   const StudyRuns runs = runs_of(record, "seed/random_narrow");
-  EXPECT_EQ(runs.instances[0].certificate(), Certainty::kUnreachable);
+  EXPECT_EQ(runs.instances[0].certainty(), Certainty::kUnreachable);
   EXPECT_EQ(runs.n_runs(0), 0);
 }
 
