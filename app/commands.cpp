@@ -46,7 +46,14 @@ Solution search(const ChosenSolver& chosen, const SolveArguments& arguments, con
     throw std::invalid_argument(
         fmt::format("--checkpoint: the searches of solver '{}' cannot be kept in a file", chosen.name));
   }
-  return modsearch::solve(*stepped, problem, meter, rng, {.file = *arguments.checkpoint, .resume = arguments.resume});
+  if (!arguments.resume && std::filesystem::exists(*arguments.checkpoint)) {
+    throw std::invalid_argument(
+        fmt::format("--checkpoint {}: is there already; --resume goes on with it", arguments.checkpoint->string()));
+  }
+  return modsearch::solve(*stepped, problem, meter, rng,
+                          {.file = *arguments.checkpoint,
+                           .resume = arguments.resume,
+                           .identity = fmt::format("{}, seed {}", arguments.solver, arguments.seed)});
 }
 
 }  // namespace
@@ -271,7 +278,7 @@ Status list(const ListArguments& arguments, const CommonArguments& common) {
   if (arguments.what == "solvers") {
     for (const SolverEntry& entry : solver_entries()) {
       nlohmann::ordered_json options = nlohmann::ordered_json::array();
-      text += fmt::format("{:<16}{}\n", entry.name, entry.meaning);
+      text += fmt::format("{:<18}{}\n", entry.name, entry.meaning);
       for (const OptionEntry& option : entry.options) {
         options.push_back({{"key", option.key}, {"default", option.default_value}, {"meaning", option.meaning}});
         text += fmt::format("    {:<12}default {}: {}\n", option.key, option.default_value, option.meaning);

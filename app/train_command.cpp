@@ -48,6 +48,9 @@ class TrainingFiles {
     if (resume) {
       checkpoint_ = Archive::load(folder_ / kCheckpoint);
       check_identity(*checkpoint_, identity_);
+    } else if (std::filesystem::exists(folder_ / kCheckpoint)) {
+      throw std::invalid_argument(
+          fmt::format("--out {}: holds a training already; --resume goes on with it", folder_.string()));
     }
   }
 

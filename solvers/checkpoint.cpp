@@ -1,30 +1,33 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <modsearch/solvers/checkpoint.hpp>
 
 namespace modsearch {
 namespace {
 
-void write(const std::filesystem::path& file, const SteppedSolver& solver, const DesignProblem& problem,
-           const Meter& meter, const Search& search) {
+Archive state_of(const Checkpointing& checkpointing, const SteppedSolver& solver, const DesignProblem& problem,
+                 const Meter& meter, const Search& search) {
   Archive archive;
   archive.put_text("solver", solver.name());
   archive.put_text("problem", problem.name());
+  archive.put_text("identity", checkpointing.identity);
   meter.save(archive);
   search.save(archive);
-  archive.save(file);
+  return archive;
 }
 
-void read(const std::filesystem::path& file, const SteppedSolver& solver, const DesignProblem& problem, Meter& meter,
+void read(const Checkpointing& checkpointing, const SteppedSolver& solver, const DesignProblem& problem, Meter& meter,
           Search& search) {
-  const Archive archive = Archive::load(file);
+  const Archive archive = Archive::load(checkpointing.file);
   const auto expect = [&](const std::string& entry, const std::string& ours) {
     const std::string theirs = archive.text(entry);
     if (theirs != ours) archive.fail(entry, fmt::format("is '{}', this search is of '{}'", theirs, ours));
   };
   expect("solver", solver.name());
   expect("problem", problem.name());
+  expect("identity", checkpointing.identity);
   search.restore(archive);
   meter.restore(archive, problem);
 }
@@ -38,14 +41,30 @@ class Rest final : public Solver {
 
  private:
   [[nodiscard]] SearchEnd do_solve(const DesignProblem& problem, Meter& meter, Rng) const override {
-    using Clock = std::chrono::steady_clock;
-    Clock::time_point last = Clock::now();
+    const auto state = [&] { return state_of(checkpointing_, solver_, problem, meter, search_); };
+    // A step that the meter cuts off leaves nothing that could be kept, so that a recent state is kept here.
+    Archive latest = state();
+    latest.save(checkpointing_.file);
+    Clock::time_point kept = Clock::now();
+    Clock::time_point written = kept;
     while (true) {
-      if (std::optional<SearchEnd> end = search_.step(meter)) return *std::move(end);
-      if (std::chrono::duration<double>(Clock::now() - last).count() < checkpointing_.period) continue;
-      write(checkpointing_.file, solver_, problem, meter, search_);
-      last = Clock::now();
+      if (std::optional<SearchEnd> end = search_.step(meter)) {
+        if (meter.stopped() && kept > written) latest.save(checkpointing_.file);
+        return *std::move(end);
+      }
+      if (since(kept) < std::min(kKeepPeriod, checkpointing_.period)) continue;
+      latest = state();
+      kept = Clock::now();
+      if (since(written) < checkpointing_.period) continue;
+      latest.save(checkpointing_.file);
+      written = kept;
     }
+  }
+
+  using Clock = std::chrono::steady_clock;
+  static constexpr double kKeepPeriod = 0.5;  // [s]
+  [[nodiscard]] static double since(Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
   }
 
   const SteppedSolver& solver_;
@@ -59,7 +78,7 @@ Solution solve(const SteppedSolver& solver, const DesignProblem& problem, Meter&
                const Checkpointing& checkpointing) {
   const std::unique_ptr<Search> search = solver.start(problem, rng);
   if (checkpointing.resume && std::filesystem::exists(checkpointing.file)) {
-    read(checkpointing.file, solver, problem, meter, *search);
+    read(checkpointing, solver, problem, meter, *search);
   }
   return Rest{solver, *search, checkpointing}.solve(problem, meter, rng);
 }

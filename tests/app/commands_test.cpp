@@ -110,10 +110,19 @@ TEST(Solve, GoesOnFromItsCheckpointToTheSameAnswer) {
     return answer;
   };
   const std::string file = folder / "search.bin";
-  Meter meter{{.evaluations = 500}};
-  (void)::modsearch::solve(RandomSearch{}, *load_problem("seed/random_obstacles"), meter, Rng{0},
-                           {.file = file, .period = 0.0});
+  (void)solve("500", {"--checkpoint", file});
+  ASSERT_TRUE(std::filesystem::exists(file));
   EXPECT_EQ(solve("1000", {"--checkpoint", file, "--resume"}), solve("1000", {}));
+  const auto refused = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"solve", "seed/random_obstacles", "--solver", "random", "--checkpoint", file};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = modsearch(words, folder);
+    EXPECT_EQ(outcome.status, 2);
+    return outcome.err;
+  };
+  EXPECT_THAT(refused({}), HasSubstr("--resume goes on with it"));
+  EXPECT_THAT(refused({"--resume", "--seed", "7"}),
+              HasSubstr("is 'random, seed 0', this search is of 'random, seed 7'"));
   const Outcome nowhere = modsearch({"solve", "seed/fixed", "--resume"}, folder);
   EXPECT_EQ(nowhere.status, 2);
   EXPECT_THAT(nowhere.err, HasSubstr("--checkpoint"));
@@ -512,6 +521,8 @@ TEST(TrainCommand, GoesOnFromItsCheckpointToTheSamePolicy) {
   EXPECT_EQ(other.status, 2);
   EXPECT_THAT(other.err, HasSubstr("seed=0"));
   EXPECT_EQ(train("none", {"--resume"}).status, 2);
+  // Nor may it be written over.
+  EXPECT_THAT(train("whole", {}).err, HasSubstr("holds a training already"));
 }
 
 TEST(TrainCommand, EndsAtCtrlCWithACheckpointThatLeadsToTheSamePolicy) {
