@@ -68,7 +68,7 @@ void update_own(benchmark::State& state, const Case& test) {
   for (auto _ : state) benchmark::DoNotOptimize(agent->update(test.batch, rng));
 }
 
-void act_own(benchmark::State& state, const Case& test) {
+[[maybe_unused]] void act_own(benchmark::State& state, const Case& test) {
   const std::unique_ptr<Agent> agent = test.agent();
   Eigen::Index row = 0;
   for (auto _ : state) {
