@@ -257,7 +257,7 @@ Certificate make_certificate(const RobotProblem& problem, const CertifyOptions& 
       certificate.upper = witness ? witness->score + options.gap * certify::unit_of_gap(problem, *witness) : -kInfinity;
     } else {
       certificate.open = meter.progress().seconds < half
-                             ? "some boxes do not close, however small: bodies count as a radius shorter at flat ends"
+                             ? "some boxes do not close, however small they are cut"
                              : "the time was up";
       // A little above what the search got to, so that the proof gets there with room to spare.
       if (witness) certificate.upper += 0.02 * (certificate.upper - witness->score);
