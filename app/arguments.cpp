@@ -26,12 +26,12 @@ std::uint64_t parse_whole_number(std::string_view option, std::string_view text,
   return *value;
 }
 
-double parse_seconds(std::string_view text) {
+double parse_seconds(std::string_view option, std::string_view text) {
   constexpr double kMost = 1e9;  // thirty years
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0.0 && value <= kMost)) {
-    throw std::invalid_argument(fmt::format("--seconds {}: not a number in [0, {:g}]", text, kMost));
+    throw std::invalid_argument(fmt::format("{} {}: not a number in [0, {:g}]", option, text, kMost));
   }
   return value;
 }

@@ -102,7 +102,7 @@ struct ListArguments {
 [[nodiscard]] std::uint64_t parse_whole_number(std::string_view option, std::string_view text, std::uint64_t most);
 
 /// Seconds in [0, 1e9]. Throws std::invalid_argument for anything else.
-[[nodiscard]] double parse_seconds(std::string_view text);
+[[nodiscard]] double parse_seconds(std::string_view option, std::string_view text);
 
 /// A word as a shell takes it, in quotes where it needs them.
 [[nodiscard]] std::string shell_word(std::string_view word);

@@ -96,7 +96,7 @@ void describe(CLI::App& app, Arguments& a) {
       ->type_name("N");
   solve
       .add_option_function<std::string>(
-          "--seconds", [&](const std::string& text) { a.solve.seconds = parse_seconds(text); },
+          "--seconds", [&](const std::string& text) { a.solve.seconds = parse_seconds("--seconds", text); },
           "at most this long [s]; 30 without --evaluations")
       ->type_name("S");
   add_seed(solve, a.solve.seed, "of the solver's random numbers (default 0)");
@@ -136,7 +136,8 @@ void describe(CLI::App& app, Arguments& a) {
   add_count(compare, "--jobs", a.compare.jobs, "cells at the same time, each in a process of its own (default 1)");
   compare.add_flag("--resume", a.compare.resume, "go on with the journal in --out");
   add_count(compare, "--recheck", a.compare.recheck, "finished cells to compute once more and compare (default 0)");
-  compare.add_option("--out", a.compare.out, "folder for events.jsonl, runs.csv, traces.csv, report.html, policies/")->required();
+  compare.add_option("--out", a.compare.out, "folder for events.jsonl, runs.csv, traces.csv, report.html, policies/")
+      ->required();
   add_common(compare, a.common, "modsearch compare quick --jobs 2 --out out/");
 
   CLI::App& evaluate = *app.add_subcommand("evaluate", "score a given design, term by term");
@@ -157,7 +158,8 @@ void describe(CLI::App& app, Arguments& a) {
   add_common(render, a.common, "modsearch render out/solution.json --out out/");
 
   CLI::App& convert = *app.add_subcommand("convert", "write a library, task, problem, solution or design otherwise");
-  convert.add_option("IN", a.convert.in, "file, or the ID of a built-in library or problem; its kind is seen")->required();
+  convert.add_option("IN", a.convert.in, "file, or the ID of a built-in library or problem; its kind is seen")
+      ->required();
   convert.add_option("OUT", a.convert.out, "file to write; what it refers to is named relative to it")->required();
   convert.add_option("--to", a.convert.to, "default: urdf where OUT ends so, else modsearch")
       ->check(CLI::IsMember({"modsearch", "timor", "cobra", "urdf"}));
@@ -178,24 +180,24 @@ void describe(CLI::App& app, Arguments& a) {
   CLI::App& certify = *app.add_subcommand("certify", "find the best design and prove how much better another can be");
   certify.add_option("PROBLEM", a.certify.problem, "problem file, or the ID of a built-in one")->required();
   add_instance(certify, a.certify.instance);
-  certify.add_option("--gap", a.certify.gap, "share of the mass that may be left open, in (0, 1]")->capture_default_str();
+  certify.add_option("--gap", a.certify.gap, "share of the mass that may be left open, in (0, 1]")
+      ->capture_default_str();
   certify
       .add_option_function<std::string>(
-          "--max-seconds", [&](const std::string& text) { a.certify.seconds = parse_seconds(text); },
+          "--max-seconds", [&](const std::string& text) { a.certify.seconds = parse_seconds("--max-seconds", text); },
           "at most this long [s]; what is proved until then is what the certificate says")
       ->type_name("S");
   certify
       .add_option_function<std::string>(
           "--fewer",
-          [&](const std::string& text) {
-            a.certify.fewer = static_cast<int>(parse_whole_number("--fewer", text, 64));
-          },
+          [&](const std::string& text) { a.certify.fewer = static_cast<int>(parse_whole_number("--fewer", text, 64)); },
           "instead: prove that no design of at most N modules (without the base) is achieved")
       ->type_name("N");
   certify.add_option("--out", a.certify.out, "FILE of the certificate")->capture_default_str();
   add_common(certify, a.common, "modsearch certify seed/fixed --out out/certificate.json");
 
-  CLI::App& check = *app.add_subcommand("check-certificate", "check a certificate with the independent modsearch-check");
+  CLI::App& check =
+      *app.add_subcommand("check-certificate", "check a certificate with the independent modsearch-check");
   check.add_option("FILE", a.check_certificate.file, "certificate")->required();
   add_common(check, a.common, "modsearch check-certificate out/certificate.json");
 

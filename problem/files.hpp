@@ -114,7 +114,7 @@ struct LoadedSolution {
 [[nodiscard]] LoadedSolution load_solution(const std::filesystem::path& file,
                                            const std::optional<std::string>& problem = std::nullopt);
 
-/// Writes `text` to `file` whole or not at all: beside it, then renamed. Throws FileError if that fails.
+/// Writes `text` whole or not at all: beside `file`, then renamed; follows links, writes into devices. Throws FileError.
 void write_file(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace modsearch

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <modsearch/problem/files.hpp>
 
 namespace modsearch {
@@ -55,14 +56,34 @@ class Draft {
   bool kept_ = false;
 };
 
+std::filesystem::path final_target(const std::filesystem::path& link) {
+  std::error_code failed;
+  std::filesystem::path target = std::filesystem::weakly_canonical(link, failed);
+  return failed ? link : target;
+}
+
+void write_through(const std::filesystem::path& file, std::string_view text) {
+  std::ofstream stream{file, std::ios::binary | std::ios::app};
+  stream << text << std::flush;
+  if (!stream) throw FileError(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+}
+
 }  // namespace
 
 void write_file(const std::filesystem::path& file, std::string_view text) {
+  // A link stands for the file that it names; a device or a pipe takes the text as it comes.
+  std::error_code none;
+  const std::filesystem::path target = std::filesystem::is_symlink(file, none) ? final_target(file) : file;
+  if (std::filesystem::exists(target, none) && !std::filesystem::is_regular_file(target, none) &&
+      !std::filesystem::is_directory(target, none)) {
+    write_through(target, text);
+    return;
+  }
   // Process and count keep writers apart, threads included.
   static std::atomic<unsigned> count{0};
-  std::filesystem::path beside = file;
+  std::filesystem::path beside = target;
   beside += fmt::format(".{}-{}.part", ::getpid(), count++);
-  Draft draft{std::move(beside), file};
+  Draft draft{std::move(beside), target};
   draft.write(text);
   draft.keep();
 }

@@ -278,6 +278,18 @@ TEST(WriteFile, KeepsTheOldFileWhereItFails) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator{folder.path()}, {}), 1);
 }
 
+TEST(WriteFile, FollowsLinksAndLeavesDevicesWhatTheyAre) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("out.txt", "old");
+  std::filesystem::create_symlink(file, folder.path() / "link.txt");
+  write_file(folder.path() / "link.txt", "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "link.txt"));
+  EXPECT_EQ(text_of(file), "new");
+  std::filesystem::create_symlink("/dev/full", folder.path() / "full");
+  EXPECT_THROW(write_file(folder.path() / "full", "text"), FileError);
+  EXPECT_FALSE(std::filesystem::is_regular_file("/dev/full"));
+}
+
 TEST(WriteFile, IsWholeWhoeverWritesAtTheSameTime) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "out.txt";
