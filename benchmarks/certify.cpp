@@ -3,6 +3,7 @@
 //
 //   certify [--rows A B ..] [--instances N] [--first I] [--seconds S] [--verbose]
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -225,7 +226,7 @@ struct Arguments {
   std::uint64_t first = 0;
   double seconds = 30.0;
   bool verbose = false;
-  std::filesystem::path folder = std::filesystem::temp_directory_path() / "modsearch-certify";
+  std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("modsearch-certify-{}", ::getpid());
   std::string checker;
 };
 
