@@ -216,22 +216,12 @@ void check_path_against_postures(const JsonCursor& root, const Attempt& attempt)
 }
 
 Failure failure_from(const JsonCursor& cursor) {
-  constexpr Failure kAll[] = {Failure::kIncomplete,
-                              Failure::kProvedInfeasible,
-                              Failure::kUnreachable,
-                              Failure::kLimit,
-                              Failure::kJump,
-                              Failure::kTorque,
-                              Failure::kObstacle,
-                              Failure::kSelfCollision,
-                              Failure::kHomeInCollision,
-                              Failure::kNoPath,
-                              Failure::kNotANumber,
-                              Failure::kThrew};
   const std::string text = cursor.text();
-  const auto found = std::find_if(std::begin(kAll), std::end(kAll), [&](Failure each) { return name(each) == text; });
-  if (found == std::end(kAll)) cursor.fail_value("the name of a reason for failure");
-  return *found;
+  for (std::size_t i = 0; i < kFailures; ++i) {
+    const auto each = static_cast<Failure>(i);
+    if (each != Failure::kNone && name(each) == text) return each;
+  }
+  cursor.fail_value("the name of a reason for failure");
 }
 
 void read_claims(const JsonCursor& root, const RobotProblem& problem, std::size_t n_joints, Evaluation& evaluation) {
