@@ -47,14 +47,17 @@ class Rest final : public Solver {
     latest.save(checkpointing_.file);
     Clock::time_point kept = Clock::now();
     Clock::time_point written = kept;
+    double keep_period = kKeepPeriod;
     while (true) {
       if (std::optional<SearchEnd> end = search_.step(meter)) {
         if (meter.stopped() && kept > written) latest.save(checkpointing_.file);
         return *std::move(end);
       }
-      if (since(kept) < std::min(kKeepPeriod, checkpointing_.period)) continue;
+      if (since(kept) < std::min(keep_period, checkpointing_.period)) continue;
+      const Clock::time_point begun = Clock::now();
       latest = state();
       kept = Clock::now();
+      keep_period = std::max(kKeepPeriod, kKeepShare * std::chrono::duration<double>(kept - begun).count());
       if (since(written) < checkpointing_.period) continue;
       latest.save(checkpointing_.file);
       written = kept;
@@ -63,6 +66,7 @@ class Rest final : public Solver {
 
   using Clock = std::chrono::steady_clock;
   static constexpr double kKeepPeriod = 0.5;  // [s]
+  static constexpr double kKeepShare = 50.0;  // of the time, one in so many at most goes into keeping large searches
   [[nodiscard]] static double since(Clock::time_point then) {
     return std::chrono::duration<double>(Clock::now() - then).count();
   }

@@ -16,10 +16,10 @@ struct Checkpointing {
 };
 
 /// Solves like `solver.solve(problem, meter, rng)` and writes a checkpoint at the beginning, now and then, and where
-/// the meter ends the search before it is over (that of at most half a second earlier), whole or not at all. Killed at
-/// any moment and resumed with the same arguments, or with a larger budget, it ends with the same solution as an
-/// uninterrupted search (but for what a budget of seconds cuts off). A search that is over leaves its last checkpoint.
-/// Throws FileError for a checkpoint that cannot be read or written, or that belongs to another
+/// the meter ends the search before it is over (that of half a second earlier, more where states are large), whole or
+/// not at all. Killed at any moment and resumed with the same arguments, or with a larger budget, it ends with the same
+/// solution as an uninterrupted search (but for what a budget of seconds cuts off). A search that is over leaves its
+/// last checkpoint. Throws FileError for a checkpoint that cannot be read or written, or that belongs to another
 /// solver, problem or identity.
 [[nodiscard]] Solution solve(const SteppedSolver& solver, const DesignProblem& problem, Meter& meter, Rng rng,
                              const Checkpointing& checkpointing);
