@@ -6,6 +6,7 @@
 #include <modsearch/study/study_csv.hpp>
 #include <modsearch/study/study_file.hpp>
 #include <modsearch/study/summary_markdown.hpp>
+#include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
 #include "app/output_internal.hpp"

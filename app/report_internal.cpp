@@ -12,7 +12,7 @@ nlohmann::ordered_json finite_or_null(double value) {
 }
 
 double mass_of(const RobotProblem& problem, const Design& design) {
-  return problem.chain(design.types()).mass(design.parameters());
+  return problem.chain(design.types())->mass(design.parameters());
 }
 
 std::string standing(const Attempt& attempt) {

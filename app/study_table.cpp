@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <modsearch/study/targets.hpp>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <modsearch/study/records.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace modsearch::app {

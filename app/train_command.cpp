@@ -210,6 +210,8 @@ Status train(const TrainArguments& arguments, const CommonArguments& common, std
     }
     for (const char* name : {"training.csv", kCheckpoint}) json["files"].push_back((*arguments.out / name).string());
     for (const auto& written : json["files"]) text += fmt::format("wrote        {}\n", written.get<std::string>());
+  } else {
+    text += "not kept     the policy; --out FOLDER would keep it\n";
   }
   if (common.json) {
     print(json);

@@ -75,7 +75,8 @@ std::string incumbent(const RobotProblem& problem, const certify::Witness& witne
   }
   text += "],\"postures\":[";
   std::string separations;
-  const Arm arm = problem.chain(witness.design.types()).at(witness.design.parameters());
+  const std::shared_ptr<const Chain> chain = problem.chain(witness.design.types());
+  const Arm arm = chain->at(witness.design.parameters());
   for (Eigen::Index g = 0; g < witness.postures.rows(); ++g) {
     text += g > 0 ? ",[" : "[";
     for (Eigen::Index j = 0; j < witness.postures.cols(); ++j) {

@@ -27,6 +27,12 @@ std::string shown(const Json& json) {
   return text.size() <= 40 ? text : text.substr(0, 37) + "...";
 }
 
+// Counted from 1; `byte` as nlohmann-json counts them, from 1, 0 where it does not know.
+std::ptrdiff_t line_of(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, std::min(text.size(), byte > 0 ? byte - 1 : 0));
+  return 1 + std::count(before.begin(), before.end(), '\n');
+}
+
 }  // namespace
 
 std::string read_file(const std::string& path) {
@@ -55,6 +61,8 @@ Json parse(const std::string& text, const std::string& name) {
   };
   try {
     return Json::parse(text, watch);
+  } catch (const Json::parse_error& error) {
+    throw Malformed(name + ":" + std::to_string(line_of(text, error.byte)) + ": is not JSON");
   } catch (const Json::exception&) {
     throw Malformed(name + ": is not JSON");
   }

@@ -33,25 +33,29 @@ class ChainCache {
   [[nodiscard]] const std::vector<ModuleSpan>& type_spans() const { return type_spans_; }
 
   // Readers share the lock: all but the first evaluation of a sequence only look.
-  [[nodiscard]] const Chain& chain(std::span<const int> types) {
+  [[nodiscard]] std::shared_ptr<const Chain> chain(std::span<const int> types) {
     thread_local std::vector<int> key;  // keeps its memory between calls
     key.assign(types.begin(), types.end());
     {
       const std::shared_lock lock{mutex_};
-      if (const auto found = chains_.find(key); found != chains_.end()) return *found->second;
+      if (const auto found = chains_.find(key); found != chains_.end()) return found->second;
     }
-    auto built = std::make_unique<const Chain>(library_->assemble(types, X_WB_));
+    auto built = std::make_shared<const Chain>(library_->assemble(types, X_WB_));
     const std::unique_lock lock{mutex_};
-    return *chains_.try_emplace(key, std::move(built)).first->second;
+    if (chains_.size() >= kKept) chains_.clear();
+    return chains_.try_emplace(key, std::move(built)).first->second;
   }
 
  private:
+  // A search of millions of sequences must not keep them all (some kilobytes each); building one anew takes microseconds.
+  static constexpr std::size_t kKept = 16384;
+
   std::shared_ptr<const ModuleLibrary> library_;
   Eigen::Isometry3d X_WB_;
   ModuleSpan base_span_;
   std::vector<ModuleSpan> type_spans_;
   std::shared_mutex mutex_;
-  std::map<std::vector<int>, std::unique_ptr<const Chain>> chains_;
+  std::map<std::vector<int>, std::shared_ptr<const Chain>> chains_;
 };
 
 RobotProblem::RobotProblem(RobotProblemSpec spec) : spec_{std::move(spec)} {
@@ -122,14 +126,16 @@ Eigen::VectorXd RobotProblem::context() const {
   return Eigen::Map<Eigen::VectorXd>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
 }
 
-const Chain& RobotProblem::chain(std::span<const int> types) const { return spec_.chains->chain(types); }
+std::shared_ptr<const Chain> RobotProblem::chain(std::span<const int> types) const {
+  return spec_.chains->chain(types);
+}
 
 std::vector<int> RobotProblem::do_successors(std::span<const int> types) const { return library().successors(types); }
 
 Evaluation RobotProblem::do_evaluate(const Design& design, Fidelity fidelity) const {
   const std::vector<int> types = design.types();
-  const Chain& chain_of_types = chain(types);
-  const Arm arm = chain_of_types.at(design.parameters());
+  const std::shared_ptr<const Chain> chain_of_types = chain(types);
+  const Arm arm = chain_of_types->at(design.parameters());
 
   AttemptOptions options{.level = spec_.level,
                          .ik = spec_.ik,

@@ -28,13 +28,13 @@ struct RobotProblemSpec {
   double time_step = 0.01;  ///< between the rows of a trajectory in a solution file [s]; CoBRA's timeStepSize
   IkOptions ik;
   PlanOptions planner;
-  /// Chains of type sequences met before, shared by the instances of a family (RobotProblem::spec() has them); null, or
+  /// Chains of type sequences met lately, shared by the instances of a family (RobotProblem::spec() has them); null, or
   /// those of another library or base pose: the problem keeps its own.
   std::shared_ptr<ChainCache> chains;
 };
 
-/// Library + scene + task + scoring: the design problem everybody uses. Keeps the chain of each type sequence it has
-/// met.
+/// Library + scene + task + scoring: the design problem everybody uses. Keeps the chains of type sequences it has met
+/// lately.
 class RobotProblem final : public DesignProblem {
  public:
   /// Throws std::invalid_argument for a missing part or max_modules outside [1, 64].
@@ -62,8 +62,9 @@ class RobotProblem final : public DesignProblem {
   /// The same problem with another collision level.
   [[nodiscard]] RobotProblem with_level(Level level) const;
 
-  /// The chain of base + `types`; lives as long as the problem, or any other that shares its chains.
-  [[nodiscard]] const Chain& chain(std::span<const int> types) const;
+  /// The chain of base + `types`, from the problem's memory where it is still there. An arm made of it does not keep it
+  /// alive; the caller has to.
+  [[nodiscard]] std::shared_ptr<const Chain> chain(std::span<const int> types) const;
 
  private:
   [[nodiscard]] std::vector<int> do_successors(std::span<const int> types) const override;

@@ -43,8 +43,8 @@ namespace {
 /// The motion home -> goals, sampled at the task's time step.
 ordered_json trajectory(const RobotProblem& problem, const SolutionRecord& record) {
   const Attempt& attempt = record.evaluation.attempt;
-  const Chain& chain = problem.chain(record.design.types());
-  const detail::TimedPath timed = detail::timed(chain, *attempt.path, problem.spec().time_step);
+  const std::shared_ptr<const Chain> chain = problem.chain(record.design.types());
+  const detail::TimedPath timed = detail::timed(*chain, *attempt.path, problem.spec().time_step);
   ordered_json goal_times = ordered_json::object();
   const std::vector<TaskStep> steps = steps_of(problem.task());
   const std::vector<int>& done = attempt.step_waypoints.empty() ? attempt.goal_waypoints : attempt.step_waypoints;
@@ -58,7 +58,7 @@ ordered_json trajectory(const RobotProblem& problem, const SolutionRecord& recor
 void check(const RobotProblem& problem, const SolutionRecord& record) {
   check(problem.library(), record.design);
   const Attempt& attempt = record.evaluation.attempt;
-  const int n_joints = problem.chain(record.design.types()).n_joints();
+  const int n_joints = problem.chain(record.design.types())->n_joints();
   const auto refuse = [&](const std::string& what) {
     throw std::invalid_argument(fmt::format("solution of '{}': {}", problem.name(), what));
   };

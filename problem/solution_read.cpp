@@ -309,7 +309,7 @@ LoadedSolution read_solution(const JsonCursor& root, const std::optional<std::st
   record.X_WB = root.has("basePose") ? read_base_pose(root.at("basePose"), problem, record.design)
                                      : problem.base_pose(record.design);
 
-  const auto n_joints = static_cast<std::size_t>(problem.chain(record.design.types()).n_joints());
+  const auto n_joints = static_cast<std::size_t>(problem.chain(record.design.types())->n_joints());
   result.claims = ours;
   if (ours) read_claims(root, problem, n_joints, record.evaluation);
   Attempt& attempt = record.evaluation.attempt;

@@ -107,7 +107,8 @@ TaskProgram::~TaskProgram() = default;
 TaskProgram::TaskProgram(const RobotProblem& problem, std::span<const int> types, const Relaxation& relaxation)
     : problem_{problem},
       types_{types.begin(), types.end()},
-      chain_{problem.chain(types)},
+      kept_{problem.chain(types)},
+      chain_{*kept_},
       arm_{chain_, parameter_box(problem.library(), types).lower} {
   const ParameterBox box = parameter_box(problem.library(), types);
   const Arm longest = chain_.at(box.upper);

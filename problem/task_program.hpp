@@ -53,6 +53,7 @@ class TaskProgram final : public SmoothProgram {
 
   const RobotProblem& problem_;
   std::vector<int> types_;
+  std::shared_ptr<const Chain> kept_;
   const Chain& chain_;
   Arm arm_;
   Posture posture_;

@@ -25,6 +25,13 @@ void check(const AgentOptions& options) {
   const auto not_negative = [&](const char* what, double value) {
     require(value >= 0.0 && std::isfinite(value), what, value, "[0, inf)");
   };
+  const auto widths = [&](const char* what, const std::vector<int>& hidden) {
+    constexpr double kWidest = 16384.0;  // a layer of it squared takes 1 GiB
+    for (const int width : hidden) require(width >= 1 && width <= kWidest, what, width, "[1, 16384]");
+    require(hidden.size() <= 16, "number of hidden layers", static_cast<double>(hidden.size()), "[0, 16]");
+  };
+  widths("width of a hidden layer of the value network", options.value_hidden);
+  widths("width of a hidden layer of the actor", options.actor_hidden);
   share("gamma", options.gamma);
   share("tau of the values", options.value_tau);
   share("tau of the actor", options.actor_tau);

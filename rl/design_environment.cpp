@@ -199,8 +199,8 @@ std::optional<double> DesignEnvironment::preview(int k, std::span<const float> x
 }
 
 std::optional<Eigen::Vector3d> DesignEnvironment::hindsight_target(const RobotProblem& problem, Rng& rng) const {
-  const Chain& chain = problem.chain(design_.types());
-  const Eigen::Vector3d p_W = chain.at(design_.parameters()).forward(random_posture(chain, rng)).tip.translation();
+  const std::shared_ptr<const Chain> chain = problem.chain(design_.types());
+  const Eigen::Vector3d p_W = chain->at(design_.parameters()).forward(random_posture(*chain, rng)).tip.translation();
   if (const std::optional<Sampling>& region = options_.hindsight_region) {
     const bool inside = (p_W.array() >= region->lower.array()).all() && (p_W.array() <= region->upper.array()).all();
     if (!inside || problem.scene().clearance(p_W) < region->min_clearance) return std::nullopt;

@@ -10,30 +10,28 @@
 namespace modsearch {
 namespace {
 
-// An arm whose lengths change from look to look: building one costs more than moving it. `chains` keeps its chain
-// alive, so that no other chain can have its address; a pointer to the problem would not do, it may be borrowed.
+// An arm whose lengths change from look to look: building one costs more than moving it. It keeps its chain alive, so
+// that no other chain can have its address.
 struct Workbench {
-  std::shared_ptr<ChainCache> chains;
-  const Chain* chain = nullptr;
+  std::shared_ptr<const Chain> chain;
   std::optional<Arm> arm;
   Posture posture;
   Eigen::VectorXd x;
 };
 
 // The workbench for `chain`, one of the last few that this thread has used.
-Workbench& workbench(const RobotProblem& family, const Chain& chain) {
+Workbench& workbench(const std::shared_ptr<const Chain>& chain) {
   constexpr std::size_t kKept = 8;  // a handful of types on one prefix; arbitrary
   thread_local std::array<Workbench, kKept> benches;
   thread_local std::size_t next = 0;
   for (Workbench& bench : benches) {
-    if (bench.chain == &chain) return bench;
+    if (bench.chain == chain) return bench;
   }
   Workbench& bench = benches[next];
   next = (next + 1) % kKept;
   bench.arm.reset();
-  bench.chains = family.spec().chains;
-  bench.chain = &chain;
-  bench.x = Eigen::VectorXd::Zero(chain.n_parameters());
+  bench.chain = chain;
+  bench.x = Eigen::VectorXd::Zero(chain->n_parameters());
   return bench;
 }
 
@@ -72,10 +70,11 @@ std::optional<ActionModel::Look> DesignModel::look(int k, std::span<const float>
   for (const Placement& placement : prefix_.modules) types.push_back(placement.type);
   types.push_back(k);
   if (!family_->library().fits_together(types)) return std::nullopt;
-  const Chain& chain = family_->chain(types);
+  const std::shared_ptr<const Chain> kept = family_->chain(types);
+  const Chain& chain = *kept;
   if (chain.n_joints() > max_joints_) return std::nullopt;
 
-  Workbench& bench = workbench(*family_, chain);
+  Workbench& bench = workbench(kept);
   Eigen::Index at = 0;
   for (const Placement& placement : prefix_.modules) {
     bench.x.segment(at, placement.parameters.size()) = placement.parameters;

@@ -230,7 +230,8 @@ Verification verify(const RobotProblem& problem, const Design& design, const Cla
 
   const Attempt& attempt = result.path_evaluation.attempt;
   const std::vector<int> types = design.types();
-  const Arm arm = at_path_level.chain(types).at(design.parameters());
+  const std::shared_ptr<const Chain> chain = at_path_level.chain(types);
+  const Arm arm = chain->at(design.parameters());
   if (claims.postures) check_postures(problem, arm, *claims.postures, result.findings);
 
   const Evaluation screen = at_path_level.evaluate(design, Fidelity::kScreen);

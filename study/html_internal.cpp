@@ -24,29 +24,6 @@ std::string script_safe(const nlohmann::json& json) {
   return out;
 }
 
-std::string html_safe(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '&':
-        out += "&amp;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
 std::string fill_html(std::string_view frame, std::span<const std::pair<std::string_view, std::string_view>> parts) {
   std::string out;
   std::string_view rest = frame;

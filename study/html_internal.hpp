@@ -12,9 +12,6 @@ namespace modsearch {
 /// the same. What is not UTF-8 becomes the replacement character; what is not finite becomes null.
 [[nodiscard]] std::string script_safe(const nlohmann::json& json);
 
-/// Text as the content of an element or an attribute.
-[[nodiscard]] std::string html_safe(std::string_view text);
-
 /// `frame` with each {{name}} replaced by the part of that name. In one pass, so that nothing inside a part is taken
 /// for a place to fill. Throws std::logic_error for a name that no part has.
 [[nodiscard]] std::string fill_html(std::string_view frame,

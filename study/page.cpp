@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <modsearch/problem/markup.hpp>
 #include <modsearch/study/html_internal.hpp>
 #include <modsearch/study/page.hpp>
 #include <modsearch/study/page_assets_internal.hpp>
@@ -196,7 +197,7 @@ Json facts_json(const Page& page) {
 }  // namespace
 
 std::string write_page(const Page& page) {
-  const std::string title = html_safe(page.title.empty() ? "modsearch" : page.title);
+  const std::string title = markup_safe(page.title.empty() ? "modsearch" : page.title);
   const std::string data = script_safe({{"facts", facts_json(page)}, {"scene", scene_json(page)}});
   const std::pair<std::string_view, std::string_view> parts[] = {{"title", title},
                                                                  {"css", page_assets::css},

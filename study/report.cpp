@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <modsearch/problem/markup.hpp>
 #include <modsearch/study/html_internal.hpp>
 #include <modsearch/study/page_assets_internal.hpp>
 #include <modsearch/study/report.hpp>
@@ -64,7 +65,7 @@ ViewLinks write_views(const StudyRecord& record, const std::filesystem::path& fo
 }  // namespace
 
 std::string report_page(const StudyRecord& record, const ViewLinks& views, const ReportOptions& options) {
-  const std::string title = html_safe(record.study.name + ": a comparison of solvers");
+  const std::string title = markup_safe(record.study.name + ": a comparison of solvers");
   const std::string data = script_safe(report_data(record, views, options));
   const std::pair<std::string_view, std::string_view> parts[] = {{"title", title},
                                                                  {"css", page_assets::report_css},

@@ -171,7 +171,8 @@ void add_modules(Page& page, const ModuleLibrary& library, const Design& design)
 Page page_of_solution(const RobotProblem& problem, const SolutionRecord& record, const PageContext& context) {
   const Attempt& attempt = record.evaluation.attempt;
   const std::vector<int> types = record.design.types();
-  const Chain& chain = problem.chain(types);
+  const std::shared_ptr<const Chain> kept = problem.chain(types);
+  const Chain& chain = *kept;
   const Arm arm = chain.at(record.design.parameters());
 
   Page page;

@@ -100,7 +100,7 @@ void BoundSearch::look_for_design(Sequence& sequence, const Eigen::VectorXd& sta
     Eigen::MatrixXd postures(n_goals, n_q);
     for (int g = 0; g < n_goals; ++g) postures.row(g) = result.v.segment(n_x + g * n_q, n_q).transpose();
     consider(design, postures);
-    const double mass = problem_.chain(sequence.types).mass(design.parameters());
+    const double mass = problem_.chain(sequence.types)->mass(design.parameters());
     if (score_of(problem_, sequence.types, mass) <= score_to_beat(meter) + 1e-9) return;
     const std::optional<Evaluation> evaluation = evaluate_staged(meter, problem_, design);
     if (!evaluation) return;
@@ -285,7 +285,7 @@ void BoundSearch::restore(const Archive& archive) {
   const std::vector<Design> designs = restored_designs(archive, "bound/witness", problem_.library());
   const std::vector<double> postures = archive.numbers("bound/postures");
   if (designs.empty()) return;
-  const int n_joints = problem_.chain(designs[0].types()).n_joints();
+  const int n_joints = problem_.chain(designs[0].types())->n_joints();
   const auto n_goals = static_cast<Eigen::Index>(scenery_.targets.size());
   if (postures.size() != static_cast<std::size_t>(n_goals * n_joints)) {
     archive.fail("bound/postures", "are not those of the witness");

@@ -175,7 +175,8 @@ Scenery scenery_of(const RobotProblem& problem) {
 
 SequenceModel::SequenceModel(const RobotProblem& problem, std::span<const int> of_types)
     : types{of_types.begin(), of_types.end()} {
-  const Chain& chain = problem.chain(of_types);
+  const std::shared_ptr<const Chain> kept = problem.chain(of_types);
+  const Chain& chain = *kept;
   const ParameterBox box = parameter_box(problem.library(), of_types);
   parameter_lower = box.lower;
   parameter_upper = box.upper;

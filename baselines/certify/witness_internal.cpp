@@ -7,7 +7,8 @@ namespace modsearch::certify {
 std::optional<Witness> witness(const RobotProblem& problem, const Design& design, const Eigen::MatrixXd& postures) {
   const std::vector<int> types = design.types();
   if (!problem.library().complete(types)) return std::nullopt;
-  const Chain& chain = problem.chain(types);
+  const std::shared_ptr<const Chain> kept = problem.chain(types);
+  const Chain& chain = *kept;
   const Arm arm = chain.at(design.parameters());
   const std::span<const Goal> goals = problem.task().goals();
   if (postures.rows() != static_cast<Eigen::Index>(goals.size()) || postures.cols() != chain.n_joints()) {

@@ -447,6 +447,7 @@ TEST(BadUsage, EndsWithTwoAndOneSentence) {
       {{"solve", "seed/fixed", "--fidelity", "high"}, "--fidelity"},
       {{"evaluate", "seed/fixed", folder / "broken.json"}, "broken.json"},
       {{"verify", folder / "broken.json"}, "broken.json"},
+      {{"train", "seed/fixed", "--agent", "mpdqn:actor_hidden=1000000"}, "actor = 1000000, not in [1, 16384]"},
       {{"list", "planets"}, "planets"},
       {{"fly"}, "fly"},
   };

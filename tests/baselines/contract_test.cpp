@@ -218,7 +218,8 @@ TEST(TaskContract, HoldsForTheTasksOfTheReferenceScenarios) {
     EXPECT_EQ(task.features().size(), load_problem(id, {1, 1})->task().features().size());
     EXPECT_TRUE(task.features().allFinite());
     const std::vector<int> types{problem->library().find("hinge").value()};
-    const Arm arm = problem->chain(types).at(Eigen::Vector2d{0.9, 1.1});
+    const std::shared_ptr<const Chain> chain = problem->chain(types);
+    const Arm arm = chain->at(Eigen::Vector2d{0.9, 1.1});
     const Attempt once = task.attempt(arm, problem->scene(), {});
     const Attempt again = task.attempt(arm, problem->scene(), {});
     EXPECT_EQ(once.postures, again.postures);

@@ -27,7 +27,8 @@ TEST(NodeBound, IsNeverAboveAnArmInTheBox) {
       for (Eigen::Index k = 0; k < x.size(); ++k) {
         x[k] = rng.uniform(model.parameter_lower[k], model.parameter_upper[k]);
       }
-      const Arm arm = problem->chain(types).at(x);
+      const std::shared_ptr<const Chain> chain = problem->chain(types);
+      const Arm arm = chain->at(x);
       std::vector<double> centre(static_cast<std::size_t>(model.n_lengths()));
       for (Eigen::Index k = 0; k < x.size(); ++k) {
         centre[static_cast<std::size_t>(model.length_of[static_cast<std::size_t>(k)])] += x[k];

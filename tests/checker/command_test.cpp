@@ -67,10 +67,10 @@ TEST(CheckCommand, SaysByItsExitStatusWhatItThinks) {
   EXPECT_EQ(for_machines.status, 1);
   EXPECT_EQ(Json::parse(for_machines.out)["reason"], "a sequence is missing: link");
 
-  file.write("{");
+  file.write("{\n\"modsearch\": 1,\n}");
   const Outcome unreadable = run(kCheck + file.path());
   EXPECT_EQ(unreadable.status, 2);
-  EXPECT_THAT(unreadable.out, testing::EndsWith("is not JSON\n"));
+  EXPECT_THAT(unreadable.out, testing::EndsWith(":3: is not JSON\n"));
   EXPECT_EQ(run(kCheck + file.path() + ".nowhere").status, 2);
   EXPECT_EQ(run(kCheck + "/dev/zero").status, 2);
 }

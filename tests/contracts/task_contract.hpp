@@ -88,7 +88,8 @@ inline void expect_task_contract(const RobotProblem& problem, int designs = 20) 
     const Design drawn = random_design(problem, rng);
     const Design design = drawn.prefix(std::min(3, static_cast<int>(drawn.modules.size())));
     const std::vector<int> types = design.types();
-    const Arm arm = problem.chain(types).at(design.parameters());
+    const std::shared_ptr<const Chain> chain = problem.chain(types);
+    const Arm arm = chain->at(design.parameters());
     for (const Level level : {Level::kNone, Level::kPosture, Level::kPostureSelf, Level::kPath}) {
       expect_sound_attempt(task, arm, problem.scene(), {.level = level, .ik = problem.spec().ik, .planner = {}});
     }

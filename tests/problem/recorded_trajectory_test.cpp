@@ -35,7 +35,8 @@ TEST_F(RecordedTrajectory, OfAThousandPosesIsFollowedOnOneBranch) {
   const Eigen::MatrixXd& rows = evaluation.attempt.trajectories.at(0);
   const std::vector<PoseRegion>& poses = problem_->task().steps()[0].trajectory->poses;
   ASSERT_EQ(rows.rows(), static_cast<Eigen::Index>(poses.size()));
-  const Arm arm = problem_->chain(design_.types()).at(design_.parameters());
+  const std::shared_ptr<const Chain> chain = problem_->chain(design_.types());
+  const Arm arm = chain->at(design_.parameters());
   for (Eigen::Index k = 0; k < rows.rows(); ++k) {
     // The file's tolerances, by hand: 1 mm and 0.001 rad about each pose.
     const Eigen::Isometry3d X_WE = arm.forward(rows.row(k).transpose()).tip;

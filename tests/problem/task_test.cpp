@@ -75,7 +75,8 @@ TEST(Attempt, StillTurnsTheElbowWhereTheTargetIsOnTheAxis) {
   const int k = problem.library().find("rotary").value();
   const Design design{{{k, Parameters{{0.6, 0.7}}}}};
   const Evaluation evaluation = problem.evaluate(design);
-  const Arm arm = problem.chain(design.types()).at(design.parameters());
+  const std::shared_ptr<const Chain> chain = problem.chain(design.types());
+  const Arm arm = chain->at(design.parameters());
   double best = -1.0;  // by brute force over the joint that shows
   for (int i = 0; i < 2000; ++i) {
     Work work;

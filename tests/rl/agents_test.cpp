@@ -211,6 +211,8 @@ TEST(MakeAgent, RefusesOptionsOutOfRange) {
   refused({.gamma = 1.5});
   refused({.value_rate = 0.0});
   refused({.value_tau = 7.0});
+  refused({.value_hidden = {64, 0}});
+  refused({.actor_hidden = {1'000'000}});
   refused({.bound = 0.5});
   refused({.td3 = {.delay = 0}});
 }

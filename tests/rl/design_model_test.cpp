@@ -49,7 +49,7 @@ TEST(DesignModel, SeesWhatAnEvaluationWouldSay) {
     const std::optional<Look> look = model->look(k, x, work);
     Design design = prefix;
     design.modules.push_back(placement(problem->library(), k, x));
-    ASSERT_EQ(look.has_value(), problem->chain(design.types()).n_joints() <= 3);
+    ASSERT_EQ(look.has_value(), problem->chain(design.types())->n_joints() <= 3);
     if (!look) continue;
     ++answers;
     const Evaluation evaluation = problem->evaluate(design);

@@ -129,7 +129,7 @@ TEST_F(RunStudy, GivesWhatTheSolverGivesByItself) {
   EXPECT_EQ(design_of(problem->library(), cell->outcome->design), alone.design);
   ASSERT_EQ(cell->trace.size(), meter.trace().size());
   EXPECT_EQ(cell->trace.back().modules, static_cast<int>(alone.design.modules.size()) + 1);
-  EXPECT_EQ(cell->trace.back().mass, problem->chain(alone.design.types()).mass(alone.design.parameters()));
+  EXPECT_EQ(cell->trace.back().mass, problem->chain(alone.design.types())->mass(alone.design.parameters()));
 }
 
 TEST_F(RunStudy, CountsAPlacedBaseOnce) {
