@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <limits>
 #include <modsearch/study/summary.hpp>
 #include <modsearch/study/summary_markdown.hpp>
+#include <optional>
 
 namespace modsearch {
 namespace {
@@ -38,6 +41,62 @@ std::string row_text(const SummaryRow& row, const std::vector<std::size_t>& targ
   return text;
 }
 
+// The solver without training that meets a target at the least cost; nothing where none does.
+std::optional<std::size_t> cheapest(const Summary& summary, std::size_t target, Measure measure) {
+  std::optional<std::size_t> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t r = 0; r < summary.rows.size(); ++r) {
+    const SummaryRow& row = summary.rows[r];
+    const double cost = measure == Measure::kEvaluations ? row.evaluations[target] : row.seconds[target];
+    if (row.trained || !(cost < least)) continue;
+    least = cost;
+    best = r;
+  }
+  return best;
+}
+
+// "24 against `ga` (59)": tasks from which the trained solver costs less than the cheapest other one.
+std::string pays(const Summary& summary, std::size_t trained, std::size_t target, Measure measure) {
+  const std::optional<std::size_t> other = cheapest(summary, target, measure);
+  const double use = amortised_cost(summary.rows[trained], target, measure)->use;
+  if (!other) return std::isfinite(use) ? "nothing else meets it" : "nothing meets it";
+  const SummaryRow& row = summary.rows[*other];
+  const double cost = measure == Measure::kEvaluations ? row.evaluations[target] : row.seconds[target];
+  for (const BreakEven& point : break_evens(summary, target, measure)) {
+    if (point.trained != trained || point.classical != *other) continue;
+    const std::string tasks =
+        std::isfinite(point.tasks) ? fmt::format("{:.0f} tasks", std::ceil(point.tasks)) : "never";
+    return fmt::format("{}, against {} ({})", tasks, row.label, count(cost));
+  }
+  return "";
+}
+
+// Where learning begins to pay, for each trained solver at each target shown.
+std::string break_even_text(const Summary& summary, const std::vector<std::size_t>& targets) {
+  constexpr std::array kTasks = {1, 10, 100, 1000};
+  std::string text;
+  for (std::size_t r = 0; r < summary.rows.size(); ++r) {
+    for (const std::size_t t : targets) {
+      const std::optional<AmortisedCost> evaluations = amortised_cost(summary.rows[r], t, Measure::kEvaluations);
+      const std::optional<AmortisedCost> seconds = amortised_cost(summary.rows[r], t, Measure::kSeconds);
+      if (!evaluations || !seconds) continue;
+      text += fmt::format("| {} | {} | {} | {} | {} |", summary.rows[r].label, summary.targets[t].name(),
+                          count(evaluations->use), pays(summary, r, t, Measure::kEvaluations),
+                          pays(summary, r, t, Measure::kSeconds));
+      for (const int tasks : kTasks) text += fmt::format(" {} |", number(seconds->per_task(tasks)));
+      text += "\n";
+    }
+  }
+  if (text.empty()) return text;
+  std::string head = "| trained | target | evaluations of a use | pays from, by evaluations | by seconds |";
+  std::string rule = "|---|---|---|---|---|";
+  for (const int tasks : kTasks) {
+    head += fmt::format(" seconds per task, {} task{} |", tasks, tasks == 1 ? "" : "s");
+    rule += "---|";
+  }
+  return "\n" + head + "\n" + rule + "\n" + text;
+}
+
 std::string reference_text(const Summary& summary) {
   std::string text = fmt::format("{} instance{}", summary.instances, summary.instances == 1 ? "" : "s");
   text += fmt::format(": {} with a certified optimum, {} with a certified bound", summary.optimal, summary.bounded);
@@ -62,6 +121,7 @@ std::string summary_markdown(const StudyRecord& record) {
     }
     text += " evaluations of a run | seconds | training [s] |\n" + rule + "---|---|---|\n";
     for (const SummaryRow& row : summary.rows) text += row_text(row, targets);
+    text += break_even_text(summary, targets);
     text += fmt::format("\n{}\n", reference_text(summary));
   }
   return text;
