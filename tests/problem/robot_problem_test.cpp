@@ -91,14 +91,14 @@ TEST(SeedFixed, IsReachedByOneRandomHingeInAboutFiveHundred) {
     const Design design{{placed(*problem, "hinge", {rng.uniform(0.5, 1.5), rng.uniform(0.5, 1.5)})}};
     reached += problem->evaluate(design, Fidelity::kScreen).attempt.reached ? 1 : 0;
   }
-  // d(p) = hypot(1, 1 - p) for p in [0.5, 1.5] is always in [1, 1.118]: measure of |d - d(p)| <= 1 mm is 2 mm x 1 m, so one
-  // hinge in 500 and, the type being drawn too, one placement in 1500 (PROBLEM 5). Five standard errors.
+  // d(p) = hypot(1, 1 - p) for p in [0.5, 1.5] is always in [1, 1.118]: measure of |d - d(p)| <= 1 mm is 2 mm x 1 m, so
+  // one hinge in 500 and, the type being drawn too, one placement in 1500 (PROBLEM 5). Five standard errors.
   const double expected = 0.002 * kDraws;
   EXPECT_NEAR(reached, expected, 5.0 * std::sqrt(expected));
 }
 
-// Two hinges turn in one meridional plane: the tip covers the ring |L - d| <= distance <= L + d about the first joint, with L
-// from joint to joint and d the last length. An open set, hit by about every second random pair.
+// Two hinges turn in one meridional plane: the tip covers the ring |L - d| <= distance <= L + d about the first joint,
+// with L from joint to joint and d the last length. An open set, hit by about every second random pair.
 TEST(SeedRandomWide, IsReachedByTwoRandomHingesExactlyWithinTheirRing) {
   Rng rng{6};
   constexpr int kDraws = 4000;
@@ -219,7 +219,21 @@ TEST(Evaluate, RefusesDesignsOutsideTheSearchSpace) {
 TEST(RobotProblem, SharesItsChainsWithTheOtherInstancesOfItsFile) {
   const ProblemFile file = load_problem_file("seed/random_wide");
   const std::vector<int> types{0, 1, 2};
-  EXPECT_EQ(&file.instance({1, 1})->chain(types), &file.instance({1, 2})->chain(types));
+  EXPECT_EQ(file.instance({1, 1})->chain(types), file.instance({1, 2})->chain(types));
+}
+
+TEST(RobotProblem, ForgetsChainsBeforeTheyFillTheMemory) {
+  const auto problem = load_problem("seed/fixed");
+  const std::weak_ptr<const Chain> first = problem->chain(std::vector<int>(9, 0));
+  EXPECT_FALSE(first.expired());
+  const int n_types = problem->library().n_types();
+  for (int i = 1; i < 19683; ++i) {  // all other sequences of nine modules of three types
+    std::vector<int> types;
+    for (int rest = i; types.size() < 9; rest /= n_types) types.push_back(rest % n_types);
+    (void)problem->chain(types);
+  }
+  EXPECT_TRUE(first.expired());
+  EXPECT_EQ(problem->chain(std::vector<int>(9, 0))->n_parameters(), 9);
 }
 
 TEST(RobotProblem, KeepsChainsOfItsOwnWhereTheBaseStandsElsewhere) {
@@ -230,8 +244,8 @@ TEST(RobotProblem, KeepsChainsOfItsOwnWhereTheBaseStandsElsewhere) {
   const int link = type(raised, "link");
   const Eigen::VectorXd length = Eigen::VectorXd::Constant(1, 0.5);
   const Eigen::VectorXd q = Eigen::VectorXd::Zero(1);
-  EXPECT_EQ(raised.chain(std::vector{link}).at(length).forward(q).tip.translation().z(), 0.75);
-  EXPECT_EQ(file.instance()->chain(std::vector{link}).at(length).forward(q).tip.translation().z(), 0.5);
+  EXPECT_EQ(raised.chain(std::vector{link})->at(length).forward(q).tip.translation().z(), 0.75);
+  EXPECT_EQ(file.instance()->chain(std::vector{link})->at(length).forward(q).tip.translation().z(), 0.5);
 }
 
 TEST(Successors, AreEmptyWhenNoModuleIsLeft) {
