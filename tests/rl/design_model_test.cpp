@@ -164,16 +164,16 @@ TEST(DesignModel, HasNoAnswerForAModuleThatDoesNotFit) {
 
 // A policy borrows the problem that it solves. Looks know chains they have met by their addresses, so these must not
 // become free when the problem goes.
-TEST(DesignModel, KeepsTheChainsOfABorrowedProblem) {
+TEST(DesignModel, KeepsTheChainsItHasLookedAt) {
   RobotProblemSpec spec = load_problem_file("seed/fixed").spec;
   spec.chains = nullptr;
   auto problem = std::make_unique<const RobotProblem>(std::move(spec));
-  const std::weak_ptr<ChainCache> chains = problem->spec().chains;
+  const std::weak_ptr<const Chain> chain = problem->chain(std::vector{0});
   const std::shared_ptr<const RobotProblem> borrowed{std::shared_ptr<const RobotProblem>{}, problem.get()};
   Work work;
   EXPECT_TRUE(DesignModel::of(borrowed, {}, 3)->look(0, std::vector<float>(1), work));
   problem.reset();
-  EXPECT_FALSE(chains.expired());
+  EXPECT_FALSE(chain.expired());
 }
 
 TEST(DesignModel, IsRestoredFromItsKey) {
