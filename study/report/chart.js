@@ -33,7 +33,7 @@ const kGround = {
   }
 };
 
-// Marks {x, y, colour, text} above the lines: where something happens.
+// Marks {x, y, colour, text} above the lines: where something happens. The text may be empty.
 const kMarks = {
   id: "marks",
   afterDatasetsDraw(chart) {
@@ -44,13 +44,15 @@ const kMarks = {
     for (const mark of chart.options.marks || []) {
       const x = scales.x.getPixelForValue(mark.x), y = scales.y.getPixelForValue(mark.y);
       if (x < area.left || x > area.right) continue;
-      ctx.strokeStyle = css("--muted");
-      ctx.setLineDash([3, 3]);
-      ctx.beginPath();
-      ctx.moveTo(x, y);
-      ctx.lineTo(x, area.bottom);
-      ctx.stroke();
-      ctx.setLineDash([]);
+      if (mark.text) {
+        ctx.strokeStyle = css("--muted");
+        ctx.setLineDash([3, 3]);
+        ctx.beginPath();
+        ctx.moveTo(x, y);
+        ctx.lineTo(x, area.bottom);
+        ctx.stroke();
+        ctx.setLineDash([]);
+      }
       ctx.beginPath();
       ctx.arc(x, y, 5, 0, 2 * Math.PI);
       ctx.fillStyle = css("--surface");
@@ -61,7 +63,7 @@ const kMarks = {
       ctx.lineWidth = 1;
       ctx.fillStyle = css("--ink");
       const width = ctx.measureText(mark.text).width;
-      if (placed.some((other) => other.text === mark.text && Math.abs(other.x - x) < 2)) continue;
+      if (!mark.text || placed.some((other) => other.text === mark.text && Math.abs(other.x - x) < 2)) continue;
       const left = x + width + 12 > area.right ? x - 9 - width : x + 9;
       let base = Math.max(area.top + 12, y - 9);
       // Two marks beside each other: the later one is written above the earlier.

@@ -104,16 +104,19 @@ function show_amortisation(report, figure) {
     const solver = report.solver_of(row), of = per_task(row);
     if (visible.has(solver) && of) lines.push({...report.style(solver), x, y: x.map(of), read: of});
   }
+  const costs = group.rows.filter((row) => !row.training && visible.has(report.solver_of(row))).map((row) => row[measure][target]);
+  const least = Math.min(...costs.filter(is_number));
   for (const point of points) {
     const trained = group.rows[point.trained], classical = group.rows[point.classical];
     if (!visible.has(report.solver_of(trained)) || !visible.has(report.solver_of(classical))) continue;
     marks.push({x: point.tasks, y: classical[measure][target], colour: report.style(report.solver_of(trained)).colour,
-                text: `${brief(Math.ceil(point.tasks))} tasks`});
+                // A name for the one that has to be beaten; all would not find room.
+                text: classical[measure][target] === least ? `${brief(Math.ceil(point.tasks))} tasks` : ""});
   }
   const trained_lines = group.rows.some((row) => row.training && per_task(row));
   const outcome = !report.has_training ? "No solver of this study is trained." :
       !trained_lines ? "No trained solver meets this target." :
-      marks.length ? "Rings: break-even." : "No trained solver breaks even against another at this target.";
+      marks.length ? "Rings: break-even, with the number of tasks against the cheapest other solver." : "No trained solver breaks even against another at this target.";
   figure.show({
     note: `Cost per task where the training is shared by N tasks; N = 1 charges all of it to one instance. Target: ${report.data.targets[target]}. ${outcome}`,
     lines,

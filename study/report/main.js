@@ -75,7 +75,9 @@ function finding() {
       if (!honest.length) text += ` At the target “${name}” training pays against some solvers, but not against the cheapest.`;
       else {
         const first = honest.reduce((a, b) => (b.tasks < a.tasks ? b : a));
-        text += ` At the target “${name}” ${group.rows[first.trained].label} pays from ${plural(Math.max(1, Math.ceil(first.tasks)), "task")} on against the cheapest other solver, ${group.rows[first.classical].label}.`;
+        const [trained, other] = [first.trained, first.classical].map((row) => group.rows[row]);
+        const met = (row) => `met in ${percent(row.success[target][0])} of its runs`;
+        text += ` At the target “${name}” ${trained.label} (${met(trained)}) pays from ${plural(Math.max(1, Math.ceil(first.tasks)), "task")} on against the cheapest other solver, ${other.label} (${met(other)}).`;
       }
     }
   }
