@@ -4,41 +4,46 @@
 #include <modsearch/baselines/certify/ascent_internal.hpp>
 
 namespace modsearch::certify {
+namespace {
 
-bool Ascent::project(const std::vector<double>& from, double level, std::size_t first_row,
-                     std::vector<double>& result) {
-  // Hildreth's method: the dual of a projection, one coordinate after the other.
-  constexpr int kSweeps = 40;
-  const double tolerance = 1e-4 * (1.0 + std::abs(level));
-  result = from;
-  const std::size_t n = from.size();
-  for (std::size_t c = 0; c < n_cuts_; ++c) cuts_[c].dual = 0.0;
-  duals_of_rows_.assign(n, 0.0);
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    double worst = 0.0;
-    for (std::size_t c = 0; c < n_cuts_; ++c) {
-      Cut& cut = cuts_[c];
-      if (cut.square <= 1e-18) {
-        if (cut.offset < level) return false;
-        continue;
-      }
-      double value = cut.offset;
-      for (std::size_t i = 0; i < n; ++i) value += cut.gradient[i] * result[i];
-      worst = std::max(worst, level - value);
-      const double dual = std::max(0.0, cut.dual + (level - value) / cut.square);
-      const double step = dual - cut.dual;
-      if (step == 0.0) continue;
-      cut.dual = dual;
-      for (std::size_t i = 0; i < n; ++i) result[i] += step * cut.gradient[i];
-    }
-    for (std::size_t i = first_row; i < n; ++i) {
-      const double dual = std::max(0.0, duals_of_rows_[i] - result[i]);
-      result[i] += dual - duals_of_rows_[i];
-      duals_of_rows_[i] = dual;
-    }
-    if (worst <= tolerance) return true;
+constexpr double kAbove = 1e-6;  // share of the target
+
+}  // namespace
+
+void Ascent::begin(std::size_t n, std::size_t first_row) {
+  n_rows_ = n - first_row;
+  n_half_spaces_ = n_rows_;
+  if (half_spaces_.size() < n_rows_) half_spaces_.resize(n_rows_);
+  for (std::size_t r = 0; r < n_rows_; ++r) {
+    half_spaces_[r].normal.assign(n, 0.0);
+    half_spaces_[r].normal[first_row + r] = 1.0;
+    half_spaces_[r].least = 0.0;
   }
-  return false;
+  offsets_.clear();
+  lengths_.clear();
+}
+
+bool Ascent::add_linearisation(double value, const std::vector<double>& point) {
+  double offset = value;
+  double square = 0.0;
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    offset -= gradient_[i] * point[i];
+    square += gradient_[i] * gradient_[i];
+  }
+  if (square <= 1e-18) return false;
+  if (half_spaces_.size() == n_half_spaces_) half_spaces_.emplace_back();
+  std::vector<double>& normal = half_spaces_[n_half_spaces_++].normal;
+  normal = gradient_;
+  offsets_.push_back(offset);
+  lengths_.push_back(std::sqrt(square));
+  for (double& entry : normal) entry /= lengths_.back();
+  return true;
+}
+
+bool Ascent::project(double level) {
+  for (std::size_t c = 0; c < offsets_.size(); ++c)
+    half_spaces_[n_rows_ + c].least = (level - offsets_[c]) / lengths_[c];
+  return projection_.nearest({half_spaces_.data(), n_half_spaces_}, best_, point_);
 }
 
 double Ascent::climb(NodeBound& bound, bool cap, double target, int steps, std::vector<double>& multipliers) {
@@ -47,30 +52,20 @@ double Ascent::climb(NodeBound& bound, bool cap, double target, int steps, std::
   double best = -std::numeric_limits<double>::infinity();
   point_ = multipliers;
   best_ = multipliers;
-  n_cuts_ = 0;
+  gradient_.resize(n);
+  begin(n, first_row);
   for (int step = 0; step < steps; ++step) {
-    if (cuts_.size() <= n_cuts_) cuts_.emplace_back();
-    Cut& cut = cuts_[n_cuts_];
-    cut.gradient.resize(n);
-    const double value = bound.value(point_.data(), cap, Objective::kMass, cut.gradient.data());
+    const double value = bound.value(point_.data(), cap, Objective::kMass, gradient_.data());
     if (value > best) {
       best = value;
       best_ = point_;
     }
-    if (best >= target) break;
-    cut.offset = value;
-    cut.square = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      cut.offset -= cut.gradient[i] * point_[i];
-      cut.square += cut.gradient[i] * cut.gradient[i];
-    }
-    ++n_cuts_;
-    if (step + 1 == steps) break;
+    if (best >= target || step + 1 == steps || !add_linearisation(value, point_)) break;
     // A little above, so that rounding and remainders do not stop short of it.
-    double level = target + 0.02 * (target - best);
+    double level = target + std::max(0.02 * (target - best), kAbove * (1.0 + std::abs(target)));
     bool found = false;
     for (int attempt = 0; attempt < 4 && !found; ++attempt) {
-      found = project(best_, level, first_row, point_);
+      found = project(level);
       level = best + 0.3 * (level - best);
     }
     if (!found) break;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <modsearch/baselines/certify/node_bound_internal.hpp>
+#include <modsearch/baselines/certify/projection_internal.hpp>
 
 namespace modsearch::certify {
 
@@ -14,18 +15,19 @@ class Ascent {
   double climb(NodeBound& bound, bool cap, double target, int steps, std::vector<double>& multipliers);
 
  private:
-  struct Cut {
-    std::vector<double> gradient;
-    double offset = 0.0;  // bound <= offset + gradient . multipliers
-    double square = 0.0;
-    double dual = 0.0;
-  };
-  // The nearest point to `from` above `level` in all cuts, at nonnegative row multipliers; false: there is none.
-  bool project(const std::vector<double>& from, double level, std::size_t first_row, std::vector<double>& result);
+  // That multipliers of rows are not negative.
+  void begin(std::size_t n, std::size_t first_row);
+  // bound <= value + gradient_ . (multipliers - point); false: no multipliers change anything.
+  bool add_linearisation(double value, const std::vector<double>& point);
+  // The nearest multipliers to the best at which all linearisations reach the level; false: there are none.
+  bool project(double level);
 
-  std::vector<Cut> cuts_;
-  std::size_t n_cuts_ = 0;
-  std::vector<double> best_, point_, duals_of_rows_;
+  Projection projection_;
+  std::vector<HalfSpace> half_spaces_;  // first those of the rows
+  std::size_t n_half_spaces_ = 0;
+  std::size_t n_rows_ = 0;
+  std::vector<double> offsets_, lengths_;  // of the linearisations: bound <= offset + length * normal . multipliers
+  std::vector<double> best_, point_, gradient_;
 };
 
 }  // namespace modsearch::certify
