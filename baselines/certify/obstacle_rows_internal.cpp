@@ -56,7 +56,9 @@ void try_box(RowCandidate& best, Row row, const NodeBound::BodyPoint& point, dou
     row.ball = false;
     row.face = face;
     const double cut = out - sign * local[axis];
-    improve(best, row, cut, 0.0, cut > point.reach + 1e-9);
+    // Faces lose nothing, but the farther the points move, the more may another row cut: as if a ball were there.
+    const double blunt = point.reach * point.reach / (2.0 * std::max(body_radius, 1e-3));
+    improve(best, row, cut, blunt, cut > point.reach + 1e-9);
     row.ball = true;
   }
 }
@@ -91,14 +93,43 @@ RowCandidate best_at(const NodeBound& bound, const SequenceModel& model, const S
   return best;
 }
 
-// Nearest place of the segment a + t (b - a), t in [0, 1], to a point.
-double nearest_on_segment(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d d = b - a;
-  const double square = d.squaredNorm();
-  return square > 0.0 ? std::clamp((point - a).dot(d) / square, 0.0, 1.0) : 0.0;
+// How far `local`, in the obstacle's frame, is outside the obstacle; where it is inside, how deep, negative. Convex.
+double outside(const PlacedShape& obstacle, const Eigen::Vector3d& local) {
+  const auto beyond = [](const Eigen::Vector3d& excess) {
+    return excess.cwiseMax(0.0).norm() + std::min(excess.maxCoeff(), 0.0);
+  };
+  if (const auto* box = std::get_if<modsearch::Box>(&obstacle.shape)) return beyond(local.cwiseAbs() - 0.5 * box->size);
+  if (const auto* cylinder = std::get_if<Cylinder>(&obstacle.shape)) {
+    const double across = std::hypot(local.x(), local.y()) - cylinder->radius;
+    const double along = std::abs(local.z()) - 0.5 * cylinder->length;
+    return std::hypot(std::max(across, 0.0), std::max(along, 0.0)) + std::min(std::max(across, along), 0.0);
+  }
+  if (const auto* sphere = std::get_if<Sphere>(&obstacle.shape)) return local.norm() - sphere->radius;
+  return 0.0;
 }
 
-// Between the places that were tried: the distance of a convex obstacle along a straight line has one minimum.
+// Place of the segment from `a` to `b` that is nearest to the obstacle, or deepest in it.
+double nearest_on_segment(const PlacedShape& obstacle, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Isometry3d X_GW = obstacle.X_FG.inverse();
+  const Eigen::Vector3d from = X_GW * a;
+  const Eigen::Vector3d way = X_GW.linear() * (b - a);
+  const double square = way.squaredNorm();
+  if (!(square > 0.0)) return 0.0;
+  if (std::holds_alternative<Sphere>(obstacle.shape)) return std::clamp(-from.dot(way) / square, 0.0, 1.0);
+  constexpr int kSteps = 16;  // of three, to a 650th of the body
+  double lower = 0.0;
+  double upper = 1.0;
+  for (int step = 0; step < kSteps; ++step) {
+    const double third = (upper - lower) / 3.0;
+    const bool before =
+        outside(obstacle, from + (lower + third) * way) < outside(obstacle, from + (upper - third) * way);
+    (before ? upper : lower) = before ? upper - third : lower + third;
+  }
+  return 0.5 * (lower + upper);
+}
+
+// Around the best place that was tried: where a body leans over an edge, the row that cuts most is beside the place
+// that is nearest to the obstacle.
 void refine(RowCandidate& best, const NodeBound& bound, const SequenceModel& model, const Scenery& scenery) {
   constexpr double kBetween = 0.25;  // places that were tried
   constexpr int kSteps = 9;          // to a 300th of it
@@ -136,10 +167,9 @@ void find_rows(const NodeBound& bound, const SequenceModel& model, const Scenery
       for (int s = 0; s < static_cast<int>(scenery.obstacles.size()); ++s) {
         const PlacedShape& obstacle = scenery.obstacles[at(s)];
         if (std::holds_alternative<Mesh>(obstacle.shape) || std::holds_alternative<Capsule>(obstacle.shape)) continue;
-        const Eigen::Vector3d centre = obstacle.X_FG.translation();
-        const double nearest = nearest_on_segment(first.x, last.x, centre);
+        const double nearest = nearest_on_segment(obstacle, first.x, last.x);
         const Eigen::Vector3d there = first.x + nearest * (last.x - first.x);
-        if ((there - centre).norm() > bounding_radius(obstacle.shape) + run.radius + reach) continue;
+        if (outside(obstacle, obstacle.X_FG.inverse() * there) > run.radius + reach) continue;
         RowCandidate best{{}, -1e9, 0.0, false};
         for (const double tau : {nearest, 0.0, 0.25, 0.5, 0.75, 1.0}) {
           const RowCandidate candidate = best_at(bound, model, scenery, {.goal = g, .run = i, .tau = tau, .shape = s});

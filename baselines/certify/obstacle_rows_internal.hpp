@@ -8,7 +8,7 @@ namespace modsearch::certify {
 struct RowCandidate {
   Row row;
   double cut = 0.0;     ///< how far the row moves the body point off the middle of the box [m]; negative: not at all
-  double blunt = 0.0;   ///< of that, what the reach of the point in the box costs [m]
+  double blunt = 0.0;   ///< what the reach of the point in the box costs, or of faces may cost [m]
   bool inside = false;  ///< the body point is inside the obstacle in all of the box
 };
 
