@@ -15,6 +15,7 @@
 #include <modsearch/baselines/memetic_polish.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/baselines/random_search.hpp>
+#include <modsearch/baselines/refined.hpp>
 #include <modsearch/baselines/sequence_frontier.hpp>
 #include <modsearch/baselines/sequence_optimum.hpp>
 #include <modsearch/baselines/staged.hpp>

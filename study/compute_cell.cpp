@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <modsearch/baselines/refined.hpp>
 #include <modsearch/problem/robot_problem.hpp>
 #include <modsearch/rl/saved_policy.hpp>
 #include <modsearch/study/compute_cell.hpp>
@@ -154,13 +155,14 @@ CellRecord compute(const Study& study, const PlannedCell& cell, const std::files
     case CellKind::kBound:
       solve(study.problems[cell.problem], *study.certification->solver, record);
       break;
-    case CellKind::kRun:
-      if (key.training.empty()) {
-        solve(study.problems[cell.problem], *study.solvers[cell.solver].solver, record);
-      } else {
-        solve(study.problems[cell.problem], *load_trained_policy(folder / policy_path(key.training)), record);
-      }
+    case CellKind::kRun: {
+      const StudySolver& planned = study.solvers[cell.solver];
+      std::shared_ptr<const Solver> solver = planned.solver;
+      if (!key.training.empty()) solver = load_trained_policy(folder / policy_path(key.training));
+      if (planned.refine) solver = std::make_shared<Refined>(std::move(solver));
+      solve(study.problems[cell.problem], *solver, record);
       break;
+    }
   }
   record.state = CellState::kDone;
   return record;

@@ -48,7 +48,8 @@ void check(const StudySolver& solver) {
 
 void check(const Study& study) {
   if (study.name.empty()) refuse("it has no name");
-  check_names(study.problems, "problem", [](const StudyProblem& problem) -> const std::string& { return problem.name; });
+  check_names(study.problems, "problem",
+              [](const StudyProblem& problem) -> const std::string& { return problem.name; });
   check_names(study.solvers, "solver", [](const StudySolver& solver) -> const std::string& { return solver.label; });
   for (const StudyProblem& problem : study.problems) check(problem);
   for (const StudySolver& solver : study.solvers) check(solver);
@@ -67,8 +68,7 @@ std::vector<std::optional<Instance>> instances_of(const StudyProblem& problem) {
   if (!problem.instances) return {std::nullopt};
   std::vector<std::optional<Instance>> instances;
   for (int i = 0; i < problem.instances->count; ++i) {
-    instances.emplace_back(
-        Instance{problem.instances->seed, problem.instances->first + static_cast<std::uint64_t>(i)});
+    instances.emplace_back(Instance{problem.instances->seed, problem.instances->first + static_cast<std::uint64_t>(i)});
   }
   return instances;
 }
@@ -108,13 +108,25 @@ class CellList {
     const auto [place, is_new] = numbers_.emplace(id, number);
     if (!is_new) {
       const CellKey& other = cells_[place->second].record.key;
-      refuse(fmt::format("solvers '{}' and '{}' are the same on {}: {}", other.label, key.label, key.problem, key.solver));
+      refuse(
+          fmt::format("solvers '{}' and '{}' are the same on {}: {}", other.label, key.label, key.problem, key.solver));
     }
     cell.record.id = id;
     cell.record.number = static_cast<std::int64_t>(number);
     cell.record.key = std::move(key);
     cells_.push_back(std::move(cell));
     return number;
+  }
+  // The number of the same training where an earlier solver has it: two may use one policy.
+  std::size_t add_training(CellKey key, PlannedCell cell, const Study& study) {
+    const auto found = numbers_.find(cell_id(key));
+    if (found == numbers_.end()) return add(std::move(key), std::move(cell));
+    const PlannedCell& other = cells_[found->second];
+    const auto settings = [&](const PlannedCell& of) {
+      return settings_text(study.solvers[of.solver].trainings[of.training].settings);
+    };
+    return other.solver != cell.solver && settings(other) == settings(cell) ? found->second
+                                                                            : add(std::move(key), std::move(cell));
   }
   [[nodiscard]] const std::string& id(std::size_t number) const { return cells_[number].record.id; }
   [[nodiscard]] std::vector<PlannedCell> cells() && { return std::move(cells_); }
@@ -134,15 +146,15 @@ TrainingNumbers add_trainings(const Study& study, CellList& cells) {
     for (std::size_t t = 0; t < solver.trainings.size(); ++t) {
       std::vector<std::size_t>& by_seed = numbers[s].emplace_back();
       for (const std::uint64_t seed : solver.trainings[t].seeds) {
-        by_seed.push_back(cells.add({.kind = CellKind::kTraining,
-                                     .problem = solver.trainings[t].problem,
-                                     .instance = std::nullopt,
-                                     .label = solver.label,
-                                     .solver = solver.text,
-                                     .seed = seed,
-                                     .budget = {.evaluations = std::numeric_limits<std::int64_t>::max()},
-                                     .training = {}},
-                                    {.record = {}, .solver = s, .training = t}));
+        by_seed.push_back(cells.add_training({.kind = CellKind::kTraining,
+                                              .problem = solver.trainings[t].problem,
+                                              .instance = std::nullopt,
+                                              .label = solver.label,
+                                              .solver = solver.text,
+                                              .seed = seed,
+                                              .budget = {.evaluations = std::numeric_limits<std::int64_t>::max()},
+                                              .training = {}},
+                                             {.record = {}, .solver = s, .training = t}, study));
       }
     }
   }
@@ -161,14 +173,14 @@ void add_bounds(const Study& study, CellList& cells) {
   for (std::size_t p = 0; p < study.problems.size(); ++p) {
     for (const std::optional<Instance>& instance : instances_of(study.problems[p])) {
       cells.add({.kind = CellKind::kBound,
-                .problem = study.problems[p].name,
-                .instance = instance,
-                .label = "bound",
-                .solver = study.certification->text,
-                .seed = 0,
-                .budget = study.certification->budget,
-                .training = {}},
-               {.record = {}, .problem = p});
+                 .problem = study.problems[p].name,
+                 .instance = instance,
+                 .label = "bound",
+                 .solver = study.certification->text,
+                 .seed = 0,
+                 .budget = study.certification->budget,
+                 .training = {}},
+                {.record = {}, .problem = p});
     }
   }
 }
@@ -190,7 +202,7 @@ std::vector<PlannedCell> cells_of(const Study& study) {
                       .problem = study.problems[p].name,
                       .instance = instance,
                       .label = study.solvers[s].label,
-                      .solver = study.solvers[s].text,
+                      .solver = study.solvers[s].text + (study.solvers[s].refine ? " refine" : ""),
                       .seed = study.seeds[i],
                       .budget = study.budget,
                       .training = {}};

@@ -50,6 +50,8 @@ struct StudySolver {
   std::shared_ptr<const Solver> solver{};  ///< null where it is a policy that the study trains
   /// A policy's: on problems that none of them is trained on, the first one's policy is used.
   std::vector<StudyTraining> trainings{};
+  /// Lets the smooth program of the found type sequence follow (Refined); the budget is that of both.
+  bool refine = false;
 };
 
 /// How the best possible score of each instance is bounded: by a solver that gives bounds.

@@ -76,9 +76,11 @@ class Reader {
   }
 
   [[nodiscard]] StudySolver solver(const JsonCursor& cursor, const std::vector<JsonCursor>& problems) const {
-    cursor.expect_keys({"solver", "label", "train"});
+    cursor.expect_keys({"solver", "label", "train", "refine"});
     const JsonCursor text = cursor.at("solver");
     StudySolver result;
+    if (const auto refine = cursor.find("refine")) result.refine = refine->boolean();
+    const char* const then = result.refine ? ", refined" : "";
     if (const auto train = cursor.find("train")) {
       if (text.text() != "policy") text.fail_value("\"policy\", which is what is trained");
       train->expect_keys({"agent", "episodes", "seeds", "on"});
@@ -87,11 +89,11 @@ class Reader {
       } else {
         for (const JsonCursor& entry : problems) add_training(*train, entry.at("problem"), result);
       }
-      result.label = cursor.text_or("label", train->at("agent").text());
+      result.label = cursor.text_or("label", train->at("agent").text() + then);
       return result;
     }
     StudyNames::NamedSolver named = referred(text, [&] { return names_.solver(text.text()); });
-    result.label = cursor.text_or("label", text.text());
+    result.label = cursor.text_or("label", text.text() + then);
     result.text = std::move(named.text);
     result.solver = std::move(named.solver);
     return result;
@@ -135,7 +137,8 @@ class Reader {
     }
     Budget budget{.evaluations = kMost};
     if (const auto evaluations = cursor.find("evaluations")) budget.evaluations = evaluations->integer(1, kMost);
-    if (const auto seconds = cursor.find("seconds")) budget.seconds = seconds->number({.lower = 0.0, .above_lower = true});
+    if (const auto seconds = cursor.find("seconds"))
+      budget.seconds = seconds->number({.lower = 0.0, .above_lower = true});
     return budget;
   }
 
@@ -157,8 +160,7 @@ class Reader {
         referred(cursor, [&] { return names_.solver(fmt::format("branch-and-bound:gap={}", gap)); });
     result.text = std::move(named.text);
     result.solver = std::move(named.solver);
-    result.budget = {.evaluations = kMost,
-                     .seconds = cursor.at("seconds").number({.lower = 0.0, .above_lower = true})};
+    result.budget = {.evaluations = kMost, .seconds = cursor.at("seconds").number({.lower = 0.0, .above_lower = true})};
     return result;
   }
 

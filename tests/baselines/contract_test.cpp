@@ -9,6 +9,7 @@
 #include <modsearch/baselines/enumerate.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
+#include <modsearch/baselines/refined.hpp>
 #include <modsearch/baselines/tree_search.hpp>
 #include <modsearch/problem/files.hpp>
 #include <thread>
@@ -77,6 +78,8 @@ TEST(ProblemContract, HoldsForAUsersProblem) { testing::expect_problem_contract(
 TEST(SolverContract, HoldsForEverySolverOnEveryKindOfProblem) {
   std::vector<std::unique_ptr<Solver>> solvers;
   for (auto& solver : stepped_solvers()) solvers.push_back(std::move(solver));
+  solvers.push_back(std::make_unique<Refined>(std::make_shared<PerSequence>(PerSequenceOptions{.starts = 1}),
+                                              PerSequenceOptions{.starts = 2}));
   for (const Inner inner : {Inner::kIpopt, Inner::kSlsqp, Inner::kCobyla, Inner::kCeres}) {
     solvers.push_back(std::make_unique<PerSequence>(PerSequenceOptions{.inner = inner, .starts = 2}));
   }

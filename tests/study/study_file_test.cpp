@@ -4,6 +4,7 @@
 #include <limits>
 #include <modsearch/baselines/random_search.hpp>
 #include <modsearch/study/study_file.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "problem/temporary_folder.hpp"
@@ -39,7 +40,9 @@ constexpr const char* kStudy = R"({
 
 class StudyFile : public ::testing::Test {
  protected:
-  [[nodiscard]] Study load(const std::string& text) const { return load_study(folder_.write("s.json", text).string(), names()); }
+  [[nodiscard]] Study load(const std::string& text) const {
+    return load_study(folder_.write("s.json", text).string(), names());
+  }
   /// What is said where `from` stands instead of `what` in the study above.
   [[nodiscard]] std::string refusal(const std::string& what, const std::string& instead) const {
     std::string text = kStudy;
@@ -93,6 +96,27 @@ TEST_F(StudyFile, TrainsOnEachProblemWhereItDoesNotSayOnWhich) {
     if (!cell.needs) continue;
     EXPECT_EQ(cells.at(*cell.needs).record.key.problem, cell.record.key.problem);
   }
+}
+
+TEST_F(StudyFile, LetsTwoSolversShareATraining) {
+  std::string text = kStudy;
+  const std::string policy =
+      R"({"solver": "policy", "train": {"agent": "pdqn:preset=best", "episodes": 50, "seeds": [4, 5], "on": "seed/fixed"}})";
+  const std::size_t at = text.find(policy);
+  ASSERT_NE(at, std::string::npos);
+  text.insert(at, policy.substr(0, policy.size() - 1) + ", \"refine\": true}, ");
+  const Study study = load(text);
+  EXPECT_TRUE(study.solvers.at(1).refine);
+  EXPECT_EQ(study.solvers.at(1).label, "pdqn:preset=best, refined");
+  const std::vector<PlannedCell> cells = cells_of(study);
+  ASSERT_EQ(cells.size(), 2U + 3U + 27U);  // trainings, bounds, runs
+  std::set<std::string> runs;
+  for (const PlannedCell& cell : cells) {
+    if (!cell.needs) continue;
+    EXPECT_LT(*cell.needs, 2U);
+    runs.insert(cell.record.key.solver);
+  }
+  EXPECT_EQ(runs.size(), 2U);
 }
 
 TEST_F(StudyFile, GivesAnotherNumberOfEpisodesAnotherCell) {
