@@ -23,8 +23,9 @@ bool BranchAndBound::covers(const DesignProblem& problem) const {
 
 std::unique_ptr<Search> BranchAndBound::start(const DesignProblem& problem, Rng rng) const {
   if (!covers(problem)) return Enumerate{}.start(problem, rng);
-  return std::make_unique<certify::BoundSearch>(dynamic_cast<const RobotProblem&>(problem), options_.gap,
-                                                options_.boxes);
+  return std::make_unique<certify::BoundSearch>(
+      dynamic_cast<const RobotProblem&>(problem),
+      certify::BoundSearchOptions{.gap = options_.gap, .most_boxes = options_.boxes});
 }
 
 }  // namespace modsearch

@@ -104,19 +104,24 @@ std::string incumbent(const RobotProblem& problem, const certify::Witness& witne
   return fmt::format("{}],\"separations\":[{}]}}", text, separations);
 }
 
-// Proves that no achieved design scores above `upper`, sequence by sequence, in the order of the checker.
+// Proves that no achieved design scores above a bound, sequence by sequence, in the order of the checker.
 class Proof {
  public:
-  Proof(const RobotProblem& problem, double upper, Meter& meter)
+  /// What `search` has closed is taken from it.
+  Proof(const RobotProblem& problem, certify::BoundSearch& search, Meter& meter)
       : problem_{problem},
+        search_{search},
         scenery_{certify::scenery_of(problem)},
         weight_{problem.spec().scoring->mass_weight()},
-        upper_{upper},
         meter_{meter},
         stop_{[this] { return meter_.stopped().has_value(); }} {}
 
   // False: something is left open, see open().
-  [[nodiscard]] bool run() {
+  [[nodiscard]] bool run(double upper) {
+    upper_ = upper;
+    text_.clear();
+    leaves_ = 0;
+    n_sequences_ = 0;
     for (int n = 0; n < problem_.max_modules(); ++n) {
       if (best_of_length(n) <= upper_) continue;
       std::vector<int> types;
@@ -126,6 +131,8 @@ class Proof {
   }
 
   [[nodiscard]] const std::string& open() const { return open_; }
+  /// False: only the time was too short.
+  [[nodiscard]] bool in_time() const { return in_time_; }
   [[nodiscard]] const std::string& sequences() const { return text_; }
   [[nodiscard]] std::int64_t leaves() const { return leaves_; }
   [[nodiscard]] std::int64_t n_sequences() const { return n_sequences_; }
@@ -179,9 +186,12 @@ class Proof {
       cut = (head - upper_) / weight_;
       cut += kRounding * std::abs(cut);
     }
-    certify::ProofOutcome outcome = certify::prove_sequence(model, scenery_, cut, stop_);
+    certify::SequenceTree* searched = search_.tree(types);
+    const certify::ProofOutcome outcome =
+        searched != nullptr ? searched->proof(cut, stop_) : certify::prove_sequence(model, scenery_, cut, stop_);
     leaves_ += outcome.leaves;
     if (!outcome.whole) {
+      in_time_ = outcome.in_time;
       open_ = fmt::format("[{}]: {}", names, outcome.open);
       return false;
     }
@@ -191,12 +201,14 @@ class Proof {
   }
 
   const RobotProblem& problem_;
+  certify::BoundSearch& search_;
   certify::Scenery scenery_;
   double weight_;
-  double upper_;
+  double upper_ = 0.0;
   Meter& meter_;
   std::function<bool()> stop_;
   std::string open_;
+  bool in_time_ = true;
   std::string text_;
   std::int64_t leaves_ = 0;
   std::int64_t n_sequences_ = 0;
@@ -220,6 +232,79 @@ std::string file_text(const RobotProblem& problem, const CertificateNames& names
   return fmt::format("{},\n\"sequences\":[\n{}\n]}}\n", text, sequences);
 }
 
+// A bound that no design of more than `n` modules exceeds, and nearly all others would.
+double above_fewer(const RobotProblem& problem, int n) {
+  double best = -kInfinity;
+  for (int more = n + 1; more < problem.max_modules(); ++more) {
+    best = std::max(best, problem.optimism_of_length(more).score);
+  }
+  return best + 1e-6;
+}
+
+// Boxes that are open close faster than others, half as fast as they came, say.
+bool time_to_prove(const certify::BoundSearch& search, const Meter& meter) {
+  const double spent = meter.progress().seconds;
+  const auto open = static_cast<double>(search.n_open());
+  const auto seen = static_cast<double>(2 * search.expanded() + 1);
+  return spent * (1.0 + 0.5 * std::min(1.0, open / seen)) > 0.9 * meter.budget().seconds;
+}
+
+// Searches for a design that scores more than all of more modules do: it refutes the claim.
+Certificate refuted_or_to_prove(certify::BoundSearch& search, double floor, Meter& meter) {
+  const auto refuted = [&] { return search.best_witness() && search.best_witness()->score > floor; };
+  while (!search.step(meter) && !refuted() && !time_to_prove(search, meter)) {
+  }
+  Certificate certificate{.upper = floor, .closed = true};
+  if (!refuted()) return certificate;
+  const certify::Witness& witness = *search.best_witness();
+  const std::size_t n = witness.design.modules.size();
+  certificate.closed = false;
+  certificate.open = fmt::format("a design of {} module{} does: it scores {:.9g}", n, n == 1 ? "" : "s", witness.score);
+  certificate.refuted_by = witness.design;
+  return certificate;
+}
+
+// Searches; what is to be proved is what it ends with.
+Certificate claim_of(const RobotProblem& problem, certify::BoundSearch& search, double gap, Meter& meter) {
+  bool in_time = true;
+  while (in_time && !search.step(meter)) in_time = !time_to_prove(search, meter);
+  in_time = in_time && !meter.stopped();
+  const std::optional<certify::Witness>& witness = search.best_witness();
+  Certificate certificate{.upper = search.upper(meter), .closed = search.closed()};
+  if (certificate.closed) {
+    // Designs that the search has evaluated beside the witness are no better.
+    certificate.upper = witness ? witness->score + gap * certify::unit_of_gap(problem, *witness) : -kInfinity;
+    return certificate;
+  }
+  certificate.open = in_time ? "some boxes do not close, however small they are cut" : "the time was up";
+  // A little above what the search got to, so that the proof gets there with room to spare.
+  if (witness) certificate.upper += 0.02 * (certificate.upper - witness->score);
+  return certificate;
+}
+
+// Writes the proof of the certificate's bound, or of the next looser one that is a proof.
+void prove(const RobotProblem& problem, const CertificateNames& names, const std::optional<certify::Witness>& witness,
+           certify::BoundSearch& search, Meter& meter, Certificate& certificate) {
+  constexpr int kAttempts = 12;    // each time with twice the gap
+  constexpr double kLeast = 5e-7;  // of the gap, which rounding takes a part of
+  const double unit = witness ? certify::unit_of_gap(problem, *witness) : 1.0;
+  Proof proof{problem, search, meter};
+  for (int attempt = 1;; ++attempt) {
+    if (witness) {
+      certificate.lower = witness->score;
+      certificate.gap = (certificate.upper - witness->score) / unit;
+    }
+    if (proof.run(certificate.upper)) break;
+    certificate.open = proof.open();
+    certificate.closed = false;
+    if (!witness || !proof.in_time() || attempt == kAttempts) return;
+    certificate.upper = witness->score + 2.0 * std::max(certificate.upper - witness->score, kLeast * unit);
+  }
+  certificate.leaves = proof.leaves();
+  certificate.sequences = proof.n_sequences();
+  certificate.json = file_text(problem, names, certificate, witness, proof.sequences());
+}
+
 }  // namespace
 
 Certificate make_certificate(const RobotProblem& problem, const CertifyOptions& options, const CertificateNames& names,
@@ -235,49 +320,14 @@ Certificate make_certificate(const RobotProblem& problem, const CertifyOptions& 
     throw std::invalid_argument(fmt::format("nothing is proved about problem {}: {}", problem.name(), *why));
   }
 
-  Certificate certificate;
-  std::optional<certify::Witness> witness;
-  if (options.fewer) {
-    certificate.upper = -kInfinity;
-    for (int n = *options.fewer + 1; n < problem.max_modules(); ++n) {
-      certificate.upper = std::max(certificate.upper, problem.optimism_of_length(n).score);
-    }
-    certificate.upper += 1e-6;
-    certificate.closed = true;
-  } else {
-    certify::BoundSearch search{problem, options.gap};
-    const double half = 0.5 * meter.budget().seconds;
-    while (!search.step(meter) && meter.progress().seconds < half) {
-    }
-    certificate.boxes = search.expanded();
-    certificate.closed = search.closed();
-    witness = search.best_witness();
-    certificate.upper = search.upper(meter);
-    if (certificate.closed) {
-      // Designs that the search has evaluated beside the witness are no better.
-      certificate.upper = witness ? witness->score + options.gap * certify::unit_of_gap(problem, *witness) : -kInfinity;
-    } else {
-      certificate.open = meter.progress().seconds < half
-                             ? "some boxes do not close, however small they are cut"
-                             : "the time was up";
-      // A little above what the search got to, so that the proof gets there with room to spare.
-      if (witness) certificate.upper += 0.02 * (certificate.upper - witness->score);
-    }
-    if (certificate.upper == kInfinity) return certificate;
-    if (witness) {
-      certificate.lower = witness->score;
-      certificate.gap = (certificate.upper - witness->score) / certify::unit_of_gap(problem, *witness);
-    }
-  }
-  Proof proof{problem, certificate.upper, meter};
-  if (!proof.run()) {
-    certificate.open = proof.open();
-    certificate.closed = false;
-    return certificate;
-  }
-  certificate.leaves = proof.leaves();
-  certificate.sequences = proof.n_sequences();
-  certificate.json = file_text(problem, names, certificate, witness, proof.sequences());
+  const double floor = options.fewer ? above_fewer(problem, *options.fewer) : -kInfinity;
+  certify::BoundSearch search{problem, {.gap = options.gap, .recorded = true, .floor = floor}};
+  Certificate certificate =
+      options.fewer ? refuted_or_to_prove(search, floor, meter) : claim_of(problem, search, options.gap, meter);
+  certificate.boxes = search.expanded();
+  if (certificate.upper == kInfinity || certificate.refuted_by) return certificate;
+  const std::optional<certify::Witness> witness = options.fewer ? std::nullopt : search.best_witness();
+  prove(problem, names, witness, search, meter, certificate);
   return certificate;
 }
 

@@ -226,14 +226,15 @@ struct Arguments {
   std::uint64_t first = 0;
   double seconds = 30.0;
   bool verbose = false;
-  std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("modsearch-certify-{}", ::getpid());
+  std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / fmt::format("modsearch-certify-{}", ::getpid());
   std::string checker;
 };
 
 void run_row(const Row& row, const Arguments& arguments) {
   std::vector<double> found, checked, bytes, leaves;
   std::string modules;
-  int proved = 0, closed = 0, accepted = 0;
+  int proved = 0, closed = 0, refuted = 0, accepted = 0;
   std::map<std::size_t, int> lengths;
   for (std::uint64_t i = arguments.first; i < arguments.first + arguments.instances; ++i) {
     Rng rng = Rng{2024}.fork(row.name).fork(i);
@@ -268,7 +269,8 @@ void run_row(const Row& row, const Arguments& arguments) {
       leaves.push_back(static_cast<double>(certificate.leaves));
       if (!good) fmt::print("  REJECTED {} {}\n", row.name, i);
     }
-    closed += certificate.closed ? 1 : 0;
+    closed += certificate.closed || certificate.refuted_by ? 1 : 0;
+    refuted += certificate.refuted_by ? 1 : 0;
     found.push_back(seconds);
     if (arguments.verbose) {
       fmt::print(
@@ -280,6 +282,7 @@ void run_row(const Row& row, const Arguments& arguments) {
       std::fflush(stdout);
     }
   }
+  if (refuted > 0) fmt::print("  {}: {} refuted by a design\n", row.name, refuted);
   fmt::print(
       "| {} | {:.3g} % | {} | {} | {} | {:.4f} / {:.4f} | {:.4f} / {:.4f} | {:.0f} / {:.0f} | {:.1f} / {:.1f} |\n",
       row.name, 100.0 * row.gap, found.size(), closed, accepted, quantile(found, 0.5), quantile(found, 1.0),

@@ -20,17 +20,17 @@ std::string percent(double share) { return fmt::format("{:.3g} %", 100.0 * share
 
 }  // namespace
 
-BoundSearch::BoundSearch(const RobotProblem& problem, double gap, std::int64_t most_boxes)
+BoundSearch::BoundSearch(const RobotProblem& problem, const BoundSearchOptions& options)
     : problem_{problem},
-      gap_{gap},
-      most_boxes_{most_boxes},
+      options_{options},
       weight_{problem.spec().scoring->mass_weight()},
       scenery_{scenery_of(problem)},
       frontier_{problem},
       stuck_{-kInfinity} {}
 
 double BoundSearch::closing_score() const {
-  return witness_ ? witness_->score + gap_ * unit_of_gap(problem_, *witness_) : -kInfinity;
+  if (!witness_) return options_.floor;
+  return std::max(options_.floor, witness_->score + options_.gap * unit_of_gap(problem_, *witness_));
 }
 
 double BoundSearch::cut(const Sequence& sequence) const {
@@ -58,8 +58,28 @@ double BoundSearch::upper(const Meter& meter) const {
 
 std::int64_t BoundSearch::expanded() const {
   std::int64_t sum = 0;
-  for (const Sequence& sequence : sequences_) sum += sequence.tree ? sequence.tree->expanded() : 0;
+  for (const Sequence& sequence : sequences_) {
+    const SequenceTree* tree = sequence.tree ? sequence.tree.get() : sequence.given_up.get();
+    sum += tree == nullptr ? 0 : tree->expanded();
+  }
   return sum;
+}
+
+std::int64_t BoundSearch::n_open() const {
+  std::int64_t sum = 0;
+  for (const Sequence& sequence : sequences_) {
+    sum += sequence.tree ? static_cast<std::int64_t>(sequence.tree->n_open()) : 0;
+  }
+  return sum;
+}
+
+SequenceTree* BoundSearch::tree(std::span<const int> types) {
+  if (!options_.recorded) return nullptr;
+  for (const Sequence& sequence : sequences_) {
+    if (!std::equal(types.begin(), types.end(), sequence.types.begin(), sequence.types.end())) continue;
+    return sequence.tree ? sequence.tree.get() : sequence.given_up.get();
+  }
+  return nullptr;
 }
 
 std::string BoundSearch::what_is_open() const {
@@ -118,7 +138,7 @@ void BoundSearch::add(std::vector<int> types, double bound, Meter& meter) {
   sequence.types = std::move(types);
   sequence.head = score_of(problem_, sequence.types, 0.0);
   if (!problem_.library().complete(sequence.types)) return;
-  sequence.tree = std::make_unique<SequenceTree>(problem_, scenery_, sequence.types);
+  sequence.tree = std::make_unique<SequenceTree>(problem_, scenery_, sequence.types, options_.recorded);
   if (!sequence.tree->model().fits()) {
     stuck_ = std::max(stuck_, bound);
     return;
@@ -141,7 +161,7 @@ std::optional<SearchEnd> BoundSearch::step(Meter& meter) {
     if (bare.score > -kInfinity) add({}, bare.score, meter);
     begun_ = true;
   }
-  if (most_boxes_ > 0 && expanded() >= most_boxes_) return end(meter);
+  if (options_.most_boxes > 0 && expanded() >= options_.most_boxes) return end(meter);
   for (int box = 0; box < kBoxesPerStep; ++box) {
     if (meter.stopped()) return end(meter);
     Sequence* best = nullptr;
@@ -179,6 +199,7 @@ std::optional<SearchEnd> BoundSearch::step(Meter& meter) {
       if (meter.stopped()) return end(meter);
       if (score_bound(*best) <= closing_score()) continue;
       stuck_ = std::max(stuck_, score + 1e-6 * std::max(1.0, std::abs(score)));  // a proof has to get there again
+      if (options_.recorded) best->given_up = std::move(best->tree);
       best->tree.reset();
     }
   }
@@ -193,7 +214,7 @@ SearchEnd BoundSearch::end(const Meter& meter) const {
                                    {"sequences", static_cast<double>(sequences_.size())}};
   const std::string reason = "certified branch and bound";
   if (!closed_) {
-    const bool limited = most_boxes_ > 0 && boxes >= most_boxes_;
+    const bool limited = options_.most_boxes > 0 && boxes >= options_.most_boxes;
     return {StopReason::kExhausted, limited ? fmt::format("{} boxes", boxes) : "", Bound{bound, reason}, tallies};
   }
   if (bound == -kInfinity) {
@@ -206,7 +227,7 @@ SearchEnd BoundSearch::end(const Meter& meter) const {
   }
   const double best = score_to_beat(meter);
   const double unit = witness_ ? unit_of_gap(problem_, *witness_) : 1.0;
-  const bool optimal = bound - best <= gap_ * unit + 1e-9 * std::abs(bound);
+  const bool optimal = bound - best <= options_.gap * unit + 1e-9 * std::abs(bound);
   std::string what = fmt::format("none scores above {:.9g}", bound);
   if (optimal) {
     what += fmt::format(", {} of the mass from the best", percent((bound - best) / unit));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <modsearch/baselines/certify/sequence_tree_internal.hpp>
 #include <modsearch/baselines/certify/witness_internal.hpp>
 #include <modsearch/baselines/sequence_frontier.hpp>
@@ -8,12 +9,19 @@
 
 namespace modsearch::certify {
 
+struct BoundSearchOptions {
+  double gap = 1e-4;            ///< see BranchAndBoundOptions
+  std::int64_t most_boxes = 0;  ///< ends after so many expansions; 0: no limit
+  bool recorded = false;        ///< keeps the trees for a certificate
+  /// Designs that score no more are not looked for.
+  double floor = -std::numeric_limits<double>::infinity();
+};
+
 /// Best-first branch and bound over all type sequences and all their lengths and postures at once.
 class BoundSearch final : public Search {
  public:
   /// `problem`, which is covered (why_not_covered), must outlive it.
-  /// `most_boxes`: ends after so many expansions; 0: no limit.
-  BoundSearch(const RobotProblem& problem, double gap, std::int64_t most_boxes = 0);
+  BoundSearch(const RobotProblem& problem, const BoundSearchOptions& options);
 
   [[nodiscard]] std::optional<SearchEnd> step(Meter& meter) override;
   void save(Archive& archive) const override;
@@ -26,14 +34,19 @@ class BoundSearch final : public Search {
   /// Nothing is open any more above the witness and its gap.
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] std::int64_t expanded() const;
+  /// Boxes that are open.
+  [[nodiscard]] std::int64_t n_open() const;
+  /// What is known of a sequence, if it is recorded; null: it was not looked at.
+  [[nodiscard]] SequenceTree* tree(std::span<const int> types);
   /// The box that holds the bound up, in words.
   [[nodiscard]] std::string what_is_open() const;
 
  private:
   struct Sequence {
     std::vector<int> types;
-    double head = 0.0;                   // score of no mass
-    std::unique_ptr<SequenceTree> tree;  // null: too large to be searched
+    double head = 0.0;                       // score of no mass
+    std::unique_ptr<SequenceTree> tree;      // null: too large to be searched, or given up
+    std::unique_ptr<SequenceTree> given_up;  // recorded, with a box that cannot be cut
     std::unique_ptr<SmoothProgram> program;
     std::int64_t next_solve = 0;  // expansions after which to look for a design again
   };
@@ -49,8 +62,7 @@ class BoundSearch final : public Search {
   [[nodiscard]] SearchEnd end(const Meter& meter) const;
 
   const RobotProblem& problem_;
-  double gap_ = 0.0;
-  std::int64_t most_boxes_ = 0;
+  BoundSearchOptions options_;
   double weight_ = 0.0;  // points per kilogram
   Scenery scenery_;
   SequenceFrontier frontier_;

@@ -1,8 +1,5 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <modsearch/baselines/certify/proof_tree_internal.hpp>
 
@@ -14,36 +11,27 @@ constexpr int kDeepest = 600;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-class Writer {
+// One box and those it is cut into.
+class Closing {
  public:
-  Writer(const SequenceModel& model, const Scenery& scenery, double cut, const std::function<bool()>& stop)
-      : model_{model},
-        n_goals_{static_cast<int>(scenery.targets.size())},
-        prover_{model, scenery},
-        cut_{cut},
-        stop_{stop} {}
+  Closing(NodeProver& prover, double cut, const std::function<bool()>& stop, TreeText& text, ProofOutcome& outcome)
+      : prover_{prover}, cut_{cut}, stop_{stop}, text_{text}, outcome_{outcome} {}
 
-  [[nodiscard]] ProofOutcome run() {
-    outcome_.nodes = "[";
-    outcome_.whole = close(root_box(model_, n_goals_), prover_.first_multipliers(), 0);
-    outcome_.nodes += "]";
-    return std::move(outcome_);
-  }
-
- private:
   bool close(Box box, Multipliers multipliers, int depth) {
-    if (stop_()) return fail("the time is up");
+    if (stop_()) {
+      outcome_.in_time = false;
+      return fail("the time is up");
+    }
     if (depth > kDeepest) return fail("a box does not close, however small it is cut");
     std::vector<std::vector<CutOff>> rounds;
     const Verdict verdict = prover_.prove(box, multipliers, cut_, &rounds);
-    for (const std::vector<CutOff>& cuts : rounds) cut_off(cuts);
+    for (const std::vector<CutOff>& cuts : rounds) text_.cut_off(cuts);
     if (verdict.closed) {
-      begin();
-      leaf(verdict.leaf);
+      text_.close(verdict.leaf);
       return true;
     }
     if (verdict.split < 0) return fail("a box does not close, however small it is cut");
-    begin() += fmt::format("[\"s\",{},{}]", verdict.split, hex(verdict.at));
+    text_.split(verdict.split, verdict.at);
     Box below = box;
     below.upper[at(verdict.split)] = verdict.at;
     if (!close(std::move(below), multipliers, depth + 1)) return false;
@@ -51,69 +39,36 @@ class Writer {
     return close(std::move(box), std::move(multipliers), depth + 1);
   }
 
+ private:
   bool fail(const char* why) {
     outcome_.open = why;
     return false;
   }
 
-  void cut_off(const std::vector<CutOff>& cuts) {
-    if (cuts.empty()) return;
-    std::string& text = begin();
-    text += "[\"c\"";
-    for (const CutOff& cut : cuts) {
-      text += ",[";
-      leaf(cut.leaf);
-      for (const CutOff::Part& part : cut.parts) {
-        text += fmt::format(",[{},{},\"{}\"]", part.variable, hex(part.at), part.above ? "above" : "below");
-      }
-      text += "]";
-    }
-    text += "]";
-  }
-
-  void leaf(const ClosedLeaf& closed) {
-    ++outcome_.leaves;
-    const Multipliers& m = closed.multipliers;
-    std::string& text = outcome_.nodes;
-    text += closed.kind == Objective::kMass ? "[\"m" : "[\"n";
-    text += m.cap ? "c\"" : "\"";
-    for (const Eigen::Vector3d& y : m.y) text += fmt::format(",{},{},{}", hex(y.x()), hex(y.y()), hex(y.z()));
-    for (const Row& row : m.rows) {
-      text += fmt::format(",[{},{},{},{},{},", row.goal, row.run, hex(row.tau), hex(row.multiplier), row.shape);
-      if (row.ball) {
-        text += fmt::format("\"ball\",{},{},{},{}]", hex(row.centre.x()), hex(row.centre.y()), hex(row.centre.z()),
-                            hex(row.radius));
-      } else {
-        text += fmt::format("\"face\",{}]", row.face);
-      }
-    }
-    text += "]";
-  }
-
-  std::string& begin() {
-    if (outcome_.nodes.size() > 1) outcome_.nodes += ",";
-    return outcome_.nodes;
-  }
-
-  const SequenceModel& model_;
-  int n_goals_;
-  NodeProver prover_;
+  NodeProver& prover_;
   double cut_;
   const std::function<bool()>& stop_;
-  ProofOutcome outcome_;
+  TreeText& text_;
+  ProofOutcome& outcome_;
 };
 
 }  // namespace
 
-std::string hex(double number) {
-  char text[48];
-  std::snprintf(text, sizeof text, "\"%a\"", number);
-  return text;
+bool close_box(NodeProver& prover, Box box, Multipliers multipliers, double cut, const std::function<bool()>& stop,
+               TreeText& text, ProofOutcome& outcome) {
+  return Closing{prover, cut, stop, text, outcome}.close(std::move(box), std::move(multipliers), 0);
 }
 
 ProofOutcome prove_sequence(const SequenceModel& model, const Scenery& scenery, double cut,
                             const std::function<bool()>& stop) {
-  return Writer{model, scenery, cut, stop}.run();
+  NodeProver prover{model, scenery};
+  ProofOutcome outcome;
+  TreeText text;
+  outcome.whole = close_box(prover, root_box(model, static_cast<int>(scenery.targets.size())),
+                            prover.first_multipliers(), cut, stop, text, outcome);
+  outcome.nodes = "[" + text.nodes() + "]";
+  outcome.leaves = text.leaves();
+  return outcome;
 }
 
 bool out_of_reach(const SequenceModel& model, const Scenery& scenery, double head, double weight, double upper) {

@@ -1,24 +1,26 @@
 #pragma once
 
 #include <functional>
-#include <modsearch/baselines/certify/node_prover_internal.hpp>
+#include <modsearch/baselines/certify/tree_text_internal.hpp>
 #include <string>
 
 namespace modsearch::certify {
 
-/// A number as certificates have it: a JSON text with a hexadecimal float.
-[[nodiscard]] std::string hex(double number);
-
 /// How the proof for one type sequence ended.
 struct ProofOutcome {
-  bool whole = false;  ///< all boxes are closed
-  std::string open;    ///< otherwise: why not
-  std::string nodes;   ///< the tree in preorder, a JSON list
+  bool whole = false;   ///< all boxes are closed
+  std::string open{};   ///< otherwise: why not
+  bool in_time = true;  ///< and whether that was something else than the time
+  std::string nodes{};  ///< the tree in preorder, a JSON list
   std::int64_t leaves = 0;
 };
 
-/// Closes all boxes of a sequence against one fixed cut, depth first, and writes the tree down as it goes: smaller and
-/// cleaner than that of the search, whose cut moves. `cut`: see NodeProver::prove. `stop` is asked before every box.
+/// Closes `box` against one fixed cut, depth first, and writes down how. False: it does not close, and `open` and
+/// `in_time` say why. `cut`: see NodeProver::prove. `stop` is asked before every box.
+[[nodiscard]] bool close_box(NodeProver& prover, Box box, Multipliers multipliers, double cut,
+                             const std::function<bool()>& stop, TreeText& text, ProofOutcome& outcome);
+
+/// Closes all boxes of a sequence so.
 [[nodiscard]] ProofOutcome prove_sequence(const SequenceModel& model, const Scenery& scenery, double cut,
                                           const std::function<bool()>& stop);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <modsearch/baselines/certify/sequence_tree_internal.hpp>
 #include <utility>
 
@@ -13,10 +14,13 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-SequenceTree::SequenceTree(const RobotProblem& problem, const Scenery& scenery, std::span<const int> types)
+SequenceTree::SequenceTree(const RobotProblem& problem, const Scenery& scenery, std::span<const int> types,
+                           bool recorded)
     : n_goals_{static_cast<int>(scenery.targets.size())},
       model_{std::make_unique<SequenceModel>(problem, types)},
-      prover_{std::make_unique<NodeProver>(*model_, scenery)} {}
+      prover_{std::make_unique<NodeProver>(*model_, scenery)} {
+  if (recorded) record_.emplace();
+}
 
 bool SequenceTree::comes_later(const Node& a, const Node& b) {
   if (a.bound != b.bound) return a.bound > b.bound;
@@ -27,16 +31,22 @@ double SequenceTree::least_mass() const {
   return nodes_.empty() ? std::numeric_limits<double>::infinity() : nodes_.front().bound;
 }
 
-void SequenceTree::offer(Box box, Multipliers multipliers, double bound, double cut) {
-  const Verdict verdict = prover_->prove(box, multipliers, cut, nullptr);
-  if (verdict.closed) return;
-  nodes_.push_back(
-      {std::max(bound, verdict.bound), numbered_++, verdict.split, verdict.at, std::move(box), std::move(multipliers)});
+void SequenceTree::offer(Box box, Multipliers multipliers, double bound, double cut, std::size_t place) {
+  std::vector<std::vector<CutOff>> rounds;
+  const Verdict verdict = prover_->prove(box, multipliers, cut, record_ ? &rounds : nullptr);
+  for (const std::vector<CutOff>& cuts : rounds) record_->cut_off(place, cuts);
+  if (verdict.closed) {
+    if (record_) record_->close(place, verdict.leaf);
+    return;
+  }
+  nodes_.push_back({std::max(bound, verdict.bound), numbered_++, verdict.split, verdict.at, std::move(box),
+                    std::move(multipliers), place});
   std::push_heap(nodes_.begin(), nodes_.end(), comes_later);
 }
 
 void SequenceTree::open(double cut) {
-  offer(root_box(*model_, n_goals_), prover_->first_multipliers(), -std::numeric_limits<double>::infinity(), cut);
+  offer(root_box(*model_, n_goals_), prover_->first_multipliers(), -std::numeric_limits<double>::infinity(), cut,
+        TreeRecord::kRoot);
 }
 
 bool SequenceTree::expand(double cut) {
@@ -45,12 +55,29 @@ bool SequenceTree::expand(double cut) {
   Node node = std::move(nodes_.back());
   nodes_.pop_back();
   ++expanded_;
+  const std::size_t halves = record_ ? record_->split(node.place, node.split, node.at) : TreeRecord::kRoot;
   Box below = node.box;
   below.upper[at(node.split)] = node.at;
-  offer(std::move(below), node.multipliers, node.bound, cut);
+  offer(std::move(below), node.multipliers, node.bound, cut, halves);
   node.box.lower[at(node.split)] = node.at;
-  offer(std::move(node.box), std::move(node.multipliers), node.bound, cut);
+  offer(std::move(node.box), std::move(node.multipliers), node.bound, cut, halves + 1);
   return true;
+}
+
+ProofOutcome SequenceTree::proof(double cut, const std::function<bool()>& stop) {
+  std::map<std::size_t, const Node*> open;
+  for (const Node& node : nodes_) open[node.place] = &node;
+  ProofOutcome outcome;
+  TreeText text;
+  TreeRecord::Walk walk{record_.value()};
+  outcome.whole = true;
+  while (outcome.whole && walk.next(text)) {
+    const Node& node = *open.at(walk.place());
+    outcome.whole = close_box(*prover_, node.box, node.multipliers, cut, stop, text, outcome);
+  }
+  outcome.nodes = "[" + text.nodes() + "]";
+  outcome.leaves = text.leaves();
+  return outcome;
 }
 
 Eigen::VectorXd SequenceTree::middle() const {
@@ -123,6 +150,7 @@ void SequenceTree::restore(const Archive& archive, const std::string& name) {
   if (counts.size() != 3 || counts[0] < 0) refuse();
   const Box root = root_box(*model_, n_goals_);
   nodes_.clear();
+  record_.reset();
   for (std::int64_t i = 0; i < counts[0]; ++i) {
     Node node;
     node.bound = number();

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <modsearch/baselines/certify/node_prover_internal.hpp>
+#include <modsearch/baselines/certify/proof_tree_internal.hpp>
+#include <modsearch/baselines/certify/tree_record_internal.hpp>
 #include <modsearch/solvers/archive.hpp>
 
 namespace modsearch::certify {
@@ -8,8 +9,8 @@ namespace modsearch::certify {
 /// The open boxes of one type sequence, best-first: branch and bound on the least mass that achieves the task.
 class SequenceTree {
  public:
-  /// `scenery` must outlive it. `model.fits()` is taken for granted.
-  SequenceTree(const RobotProblem& problem, const Scenery& scenery, std::span<const int> types);
+  /// `scenery` must outlive it. `model.fits()` is taken for granted. `recorded`: keeps what proof() needs.
+  SequenceTree(const RobotProblem& problem, const Scenery& scenery, std::span<const int> types, bool recorded = false);
 
   [[nodiscard]] const SequenceModel& model() const { return *model_; }
   [[nodiscard]] bool exhausted() const { return nodes_.empty(); }
@@ -27,6 +28,10 @@ class SequenceTree {
   /// That box, in words: for studies of what does not close.
   [[nodiscard]] std::string description() const;
 
+  /// What was cut off and closed so far as the tree of a certificate; the boxes that are open are closed against `cut`,
+  /// which is at most that of any call before. A tree that is recorded and was not restored.
+  [[nodiscard]] ProofOutcome proof(double cut, const std::function<bool()>& stop);
+
   void save(Archive& archive, const std::string& name) const;
   void restore(const Archive& archive, const std::string& name);
 
@@ -38,14 +43,16 @@ class SequenceTree {
     double at = 0.0;
     Box box;
     Multipliers multipliers;
+    std::size_t place = TreeRecord::kRoot;  // in the record
   };
   [[nodiscard]] static bool comes_later(const Node& a, const Node& b);
-  void offer(Box box, Multipliers multipliers, double bound, double cut);
+  void offer(Box box, Multipliers multipliers, double bound, double cut, std::size_t place);
 
   int n_goals_ = 0;
   std::unique_ptr<SequenceModel> model_;
   std::unique_ptr<NodeProver> prover_;
   std::vector<Node> nodes_;  // a heap
+  std::optional<TreeRecord> record_;
   std::int64_t numbered_ = 0;
   std::int64_t expanded_ = 0;
 };

@@ -302,6 +302,33 @@ TEST_F(Certificates, SayThatFewerModulesDoNotSuffice) {
   EXPECT_LT(checked(certificate.json).upper, 200.0);
 }
 
+TEST_F(Certificates, NameADesignOfFewerModulesWhereThereIsOne) {
+  // One hinge reaches the target of seed/fixed.
+  const auto problem = modsearch::load_problem("seed/fixed");
+  modsearch::Meter meter;
+  const modsearch::Certificate certificate =
+      modsearch::make_certificate(*problem, {.fewer = 1}, {"seed/fixed", {}, R"({"type":"algorithm1"})"}, meter);
+  EXPECT_FALSE(certificate.closed);
+  EXPECT_TRUE(certificate.json.empty());
+  ASSERT_TRUE(certificate.refuted_by);
+  EXPECT_EQ(certificate.refuted_by->modules.size(), 1U);
+  EXPECT_TRUE(problem->evaluate(*certificate.refuted_by).attempt.achieved);
+  EXPECT_THAT(certificate.open, testing::HasSubstr("a design of 1 module does: it scores 341.91"));
+}
+
+// Rounding leaves about 2e-7 of the mass open.
+TEST_F(Certificates, OfAGapThatIsTooSmallProveALooserOne) {
+  for (const char* id : {"seed/fixed", "seed/random_obstacles"}) {
+    const modsearch::Certificate certificate = made(id, 1, 1e-7);
+    EXPECT_FALSE(certificate.closed);
+    EXPECT_FALSE(certificate.open.empty());
+    const Proof proof = checked(certificate.json);
+    EXPECT_EQ(proof.upper, certificate.upper);
+    EXPECT_GT(*proof.gap, 1e-7);
+    EXPECT_LT(*proof.gap, 1e-4);
+  }
+}
+
 TEST_F(Certificates, StopInTimeAndStillProveWhatTheySay) {
   const std::string id = "breakeven/clutter";
   const auto problem = modsearch::load_problem(id, {7, 0});

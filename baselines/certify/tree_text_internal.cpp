@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <iterator>
+#include <modsearch/baselines/certify/tree_text_internal.hpp>
+
+namespace modsearch::certify {
+
+std::string hex(double number) {
+  char text[48];
+  std::snprintf(text, sizeof text, "\"%a\"", number);
+  return text;
+}
+
+void TreeText::begin() {
+  if (!nodes_.empty()) nodes_ += ',';
+}
+
+void TreeText::cut_off(const std::vector<CutOff>& cuts) {
+  if (cuts.empty()) return;
+  begin();
+  nodes_ += "[\"c\"";
+  for (const CutOff& cut : cuts) {
+    nodes_ += ",[";
+    leaf(cut.leaf);
+    for (const CutOff::Part& part : cut.parts) {
+      fmt::format_to(std::back_inserter(nodes_), ",[{},{},\"{}\"]", part.variable, hex(part.at),
+                     part.above ? "above" : "below");
+    }
+    nodes_ += ']';
+  }
+  nodes_ += ']';
+}
+
+void TreeText::split(int variable, double at) {
+  begin();
+  fmt::format_to(std::back_inserter(nodes_), "[\"s\",{},{}]", variable, hex(at));
+}
+
+void TreeText::close(const ClosedLeaf& closed) {
+  begin();
+  leaf(closed);
+}
+
+void TreeText::append(const TreeText& other) {
+  if (other.nodes_.empty()) return;
+  begin();
+  nodes_ += other.nodes_;
+  leaves_ += other.leaves_;
+}
+
+void TreeText::leaf(const ClosedLeaf& closed) {
+  ++leaves_;
+  const Multipliers& m = closed.multipliers;
+  nodes_ += closed.kind == Objective::kMass ? "[\"m" : "[\"n";
+  nodes_ += m.cap ? "c\"" : "\"";
+  const auto out = std::back_inserter(nodes_);
+  for (const Eigen::Vector3d& y : m.y) fmt::format_to(out, ",{},{},{}", hex(y.x()), hex(y.y()), hex(y.z()));
+  for (const Row& row : m.rows) {
+    fmt::format_to(out, ",[{},{},{},{},{},", row.goal, row.run, hex(row.tau), hex(row.multiplier), row.shape);
+    if (row.ball) {
+      fmt::format_to(out, "\"ball\",{},{},{},{}]", hex(row.centre.x()), hex(row.centre.y()), hex(row.centre.z()),
+                     hex(row.radius));
+    } else {
+      fmt::format_to(out, "\"face\",{}]", row.face);
+    }
+  }
+  nodes_ += ']';
+}
+
+}  // namespace modsearch::certify
