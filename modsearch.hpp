@@ -107,6 +107,7 @@
 #include <modsearch/study/compute_cell.hpp>
 #include <modsearch/study/curves.hpp>
 #include <modsearch/study/distribution.hpp>
+#include <modsearch/study/duration_text.hpp>
 #include <modsearch/study/environment_page.hpp>
 #include <modsearch/study/iohprofiler.hpp>
 #include <modsearch/study/journal.hpp>

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <modsearch/study/duration_text.hpp>
 #include <modsearch/study/targets.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -150,16 +151,17 @@ std::string study_text(const StudyRecord& record) {
   for (const ProblemFacts& problem : record.study.problems) {
     const std::size_t n = std::max<std::size_t>(problem.instances.size(), 1);
     const StudyRuns runs = runs_of(record, problem.name);
-    text += fmt::format("\n{}: {} instance{}, {} seed{}; medians, regret of achieved runs against {}\n", problem.name, n,
-                        n == 1 ? "" : "s", record.study.seeds.size(), record.study.seeds.size() == 1 ? "" : "s",
+    text += fmt::format("\n{}: {} instance{}, {} seed{}; medians, regret of achieved runs against {}\n", problem.name,
+                        n, n == 1 ? "" : "s", record.study.seeds.size(), record.study.seeds.size() == 1 ? "" : "s",
                         reference_of(runs));
     text += fmt::format("{:<{}} {:>11} {:>10} {:>9} {:>12} {:>9} {:>13}\n", "solver", width, "achieved", "score",
-                        "regret", "evaluations", "seconds", "training [s]");
+                        "regret", "evaluations", "time", "training [s]");
     for (const Row& row : rows_of(record, runs, problem.name)) {
       text += fmt::format("{:<{}} {:>11} {:>10} {:>9} {:>12} {:>9} {:>13}{}{}\n", row.label, width,
                           fmt::format("{} of {}", row.achieved, row.runs), cell(row.score, 3), cell(row.regret, 3),
-                          cell(row.evaluations, 0), cell(row.seconds, 4), cell(row.training_seconds, 1),
-                          row.failed > 0 ? fmt::format("   {} failed", row.failed) : "", failures_text(row));
+                          cell(row.evaluations, 0), std::isfinite(row.seconds) ? duration_text(row.seconds) : "-",
+                          cell(row.training_seconds, 1), row.failed > 0 ? fmt::format("   {} failed", row.failed) : "",
+                          failures_text(row));
     }
   }
   return text;

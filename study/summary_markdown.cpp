@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <modsearch/study/duration_text.hpp>
 #include <modsearch/study/summary.hpp>
 #include <modsearch/study/summary_markdown.hpp>
 #include <optional>
@@ -34,10 +35,11 @@ std::string row_text(const SummaryRow& row, const std::vector<std::size_t>& targ
   std::string text = fmt::format("| {} | {} | {} [{}, {}] |", row.label, percent(row.achieved),
                                  number(row.regret.value), number(row.regret.low), number(row.regret.high));
   for (const std::size_t t : targets) {
-    text += fmt::format(" {} | {} | {} |", percent(row.success[t]), count(row.evaluations[t]), number(row.seconds[t]));
+    text += fmt::format(" {} | {} | {} |", percent(row.success[t]), count(row.evaluations[t]),
+                        duration_text(row.seconds[t]));
   }
-  text += fmt::format(" {} | {} |", count(row.median_evaluations), number(row.median_seconds));
-  text += row.training ? fmt::format(" {} |\n", count(row.training->seconds)) : std::string{" |\n"};
+  text += fmt::format(" {} | {} |", count(row.median_evaluations), duration_text(row.median_seconds));
+  text += row.training ? fmt::format(" {} |\n", duration_text(row.training->seconds)) : std::string{" |\n"};
   return text;
 }
 
@@ -67,7 +69,8 @@ std::string pays(const Summary& summary, std::size_t trained, std::size_t target
     if (point.trained != trained || point.classical != *other) continue;
     const std::string tasks =
         std::isfinite(point.tasks) ? fmt::format("{:.0f} tasks", std::ceil(point.tasks)) : "never";
-    return fmt::format("{}, against {} ({})", tasks, row.label, count(cost));
+    return fmt::format("{}, against {} ({})", tasks, row.label,
+                       measure == Measure::kSeconds ? duration_text(cost) : count(cost));
   }
   return "";
 }
@@ -87,15 +90,15 @@ std::string break_even_text(const Summary& summary, std::vector<std::size_t> tar
       text += fmt::format("| {} | {} | {} | {} | {} | {} |", summary.rows[r].label, summary.targets[t].name(),
                           percent(summary.rows[r].success[t]), count(evaluations->use),
                           pays(summary, r, t, Measure::kEvaluations), pays(summary, r, t, Measure::kSeconds));
-      for (const int tasks : kTasks) text += fmt::format(" {} |", number(seconds->per_task(tasks)));
+      for (const int tasks : kTasks) text += fmt::format(" {} |", duration_text(seconds->per_task(tasks)));
       text += "\n";
     }
   }
   if (text.empty()) return text;
-  std::string head = "| trained | target | met in | evaluations of a use | pays from, by evaluations | by seconds |";
+  std::string head = "| trained | target | met in | evaluations of a use | pays from, by evaluations | by time |";
   std::string rule = "|---|---|---|---|---|---|";
   for (const int tasks : kTasks) {
-    head += fmt::format(" seconds per task, {} task{} |", tasks, tasks == 1 ? "" : "s");
+    head += fmt::format(" time per task, {} task{} |", tasks, tasks == 1 ? "" : "s");
     rule += "---|";
   }
   return "\n" + head + "\n" + rule + "\n" + text;
@@ -120,10 +123,10 @@ std::string summary_markdown(const StudyRecord& record) {
     text += fmt::format("### {}\n\n| solver | achieved | regret |", problem.name);
     std::string rule = "|---|---|---|";
     for (const std::size_t t : targets) {
-      text += fmt::format(" {}: runs | evaluations | seconds |", summary.targets[t].name());
+      text += fmt::format(" {}: runs | evaluations | time |", summary.targets[t].name());
       rule += "---|---|---|";
     }
-    text += " evaluations of a run | seconds | training [s] |\n" + rule + "---|---|---|\n";
+    text += " evaluations of a run | time | training |\n" + rule + "---|---|---|\n";
     for (const SummaryRow& row : summary.rows) text += row_text(row, targets);
     text += break_even_text(summary, targets);
     text += fmt::format("\n{}\n", reference_text(summary));

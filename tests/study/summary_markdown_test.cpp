@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <limits>
+#include <modsearch/study/duration_text.hpp>
 #include <modsearch/study/summary_markdown.hpp>
 #include <sstream>
 
@@ -45,7 +47,7 @@ TEST(SummaryMarkdown, TellsTheTargetsAndWhatRegretIsMeasuredFrom) {
   EXPECT_THAT(text, HasSubstr("mass within 1 %: runs"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("mass within 5 %")));
   // The agent is 3 % too heavy: it meets 10 % in 2 evaluations and 1 % never.
-  EXPECT_THAT(text, ::testing::ContainsRegex("\\| agent .*\\| 100 % \\| 2 \\| 0.0004 \\|.*∞"));
+  EXPECT_THAT(text, ::testing::ContainsRegex("\\| agent .*\\| 100 % \\| 2 \\| 400 us \\|.*∞"));
   EXPECT_THAT(text, HasSubstr("15 instances: 0 with a certified optimum, 15 with a certified bound"));
   EXPECT_THAT(text, HasSubstr("15 instances: 0 with a certified optimum, 0 with a certified bound"));
 }
@@ -57,6 +59,14 @@ TEST(SummaryMarkdown, SaysFromHowManyTasksOnTrainingPays) {
   EXPECT_THAT(text, ::testing::ContainsRegex("\\| agent \\| mass within 10 % \\| 100 % \\| 2 \\| [0-9]+ tasks, against "
                                              "steady \\([0-9.]+\\) \\| [0-9]+ tasks, against steady"));
   EXPECT_THAT(text, HasSubstr("| agent | mass within 1 % | 0 % | ∞ | misses too often | misses too often | ∞"));
+}
+
+TEST(DurationText, TakesTheUnitThatFits) {
+  EXPECT_EQ(duration_text(1.234e-5), "12.3 us");
+  EXPECT_EQ(duration_text(0.99949e-3), "999 us");
+  EXPECT_EQ(duration_text(0.99951e-3), "1 ms");
+  EXPECT_EQ(duration_text(12.34), "12.3 s");
+  EXPECT_EQ(duration_text(std::numeric_limits<double>::infinity()), "∞");
 }
 
 TEST(SummaryMarkdown, ShowsAllTargetsOfMassWhereTheStudyHasNeitherTenNorOne) {
