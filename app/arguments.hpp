@@ -25,6 +25,7 @@ struct SolveArguments {
   std::optional<double> seconds;
   std::uint64_t seed = 0;
   bool at_path_level = false;
+  bool refine = false;
   std::optional<std::filesystem::path> checkpoint;
   bool resume = false;
   std::optional<std::filesystem::path> out;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <modsearch/baselines/refined.hpp>
 #include <modsearch/rl/settings.hpp>
 #include <modsearch/solvers/checkpoint.hpp>
 #include <modsearch/solvers/verification.hpp>
@@ -59,7 +60,11 @@ Solution search(const ChosenSolver& chosen, const SolveArguments& arguments, con
 }  // namespace
 
 Status solve(const SolveArguments& arguments, const CommonArguments& common, std::stop_token stop) {
-  const ChosenSolver chosen = choose_solver(arguments.solver);
+  ChosenSolver chosen = choose_solver(arguments.solver);
+  if (arguments.refine) {
+    chosen.solver = std::make_unique<Refined>(std::move(chosen.solver));
+    chosen.options.emplace_back("refine", "true");
+  }
   const auto [file, instance, as_given] = choose_problem(arguments.problem, arguments.instance);
   std::shared_ptr<const RobotProblem> problem = as_given;
   if (arguments.at_path_level) problem = std::make_shared<RobotProblem>(problem->with_level(Level::kPath));

@@ -105,6 +105,8 @@ void describe(CLI::App& app, Arguments& a) {
           "--fidelity", [&](const std::string&) { a.solve.at_path_level = true; },
           "path: ask for a collision-free path, whatever the problem's own level")
       ->check(CLI::IsMember({"path"}));
+  solve.add_flag("--refine", a.solve.refine,
+                 "afterwards solve for the lengths of the modules that were found, from eight starts");
   CLI::Option* checkpoint =
       solve.add_option("--checkpoint", a.solve.checkpoint, "FILE in which the search is kept while it runs");
   solve.add_flag("--resume", a.solve.resume, "go on from the checkpoint, if there is one")->needs(checkpoint);

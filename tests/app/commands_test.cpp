@@ -500,6 +500,18 @@ TEST(TrainCommand, TrainsAPolicyThatSolves) {
   EXPECT_TRUE(solution["achieved"]);
   EXPECT_GE(solution["score"], 335.0);  // one module, whatever its lengths
   EXPECT_LE(solution["evaluations"], 4);
+
+  // The lengths of the policy's modules, solved for: no worse, and the optimum where it is the one hinge.
+  const Outcome refined = modsearch({"solve", "seed/fixed", "--solver", "policy:" + (folder / "run/policy.json"),
+                                     "--refine", "--json", "--out", folder / "refined"},
+                                    folder);
+  ASSERT_EQ(refined.status, 0) << refined.err;
+  const json better = json::parse(refined.out);
+  EXPECT_GE(better["score"].get<double>(), solution["score"].get<double>());
+  EXPECT_NEAR(better["score"].get<double>(), 341.9148, 1e-3);
+  EXPECT_THAT(better["reason"].get<std::string>(), HasSubstr("its sequence solved from 8 starts"));
+  EXPECT_EQ(json::parse(read_text(folder / "refined/solution.json"))["solver"]["options"]["refine"], "true");
+  EXPECT_EQ(modsearch({"verify", folder / "refined/solution.json"}, folder).status, 0);
 }
 
 TEST(TrainCommand, GoesOnFromItsCheckpointToTheSamePolicy) {
