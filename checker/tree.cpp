@@ -1,4 +1,5 @@
 #include <checker/tree.hpp>
+#include <checker/twin.hpp>
 #include <cmath>
 
 namespace modsearch_check {
@@ -98,12 +99,17 @@ double best_score(const Problem& problem, std::size_t n, const Interval& costs, 
 void check_tree(const Problem& problem, const Model& model, const Value& tree, double upper, Count& count) {
   const std::size_t n_goals = problem.task.goals.size();
   Box box = root_box(model, n_goals);
-  // Nodes in preorder: a split, ["s", variable, place]; parts that are cut off the box and closed by what leaves show
-  // about all of it, ["c", [leaf, part, ..], ..]; or a leaf, which closes the box.
+  // First, ["h", variable]: half a circle is enough of an angle, in the order of variables, for the twins of one may
+  // have any of the angles behind it. Then nodes in preorder: a split, ["s", variable, place]; parts that are cut off
+  // the box and closed by what leaves show about all of it, ["c", [leaf, part, ..], ..]; or a leaf, which closes the
+  // box.
   std::vector<Open> open;
   bool covered = false;
   const Json& nodes = tree.json();
   if (!nodes.is_array()) tree.fail("a tree is a list of nodes");
+  const Box root = box;
+  std::size_t halved = 0;
+  std::size_t last_halved = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const Value node{nodes[i], tree.place() + "/" + std::to_string(i)};
     if (covered) throw Rejected(node.place() + ": nodes are left over when everything is covered");
@@ -118,6 +124,17 @@ void check_tree(const Problem& problem, const Model& model, const Value& tree, d
       continue;
     }
     try {
+      if (node.json()[0] == Json("h")) {
+        const std::size_t v = node.items(2)[1].natural(box.lower.size() - 1);
+        if (halved < i) throw Rejected("half a circle is left out in the middle of a tree");
+        if (halved > 0 && v <= last_halved) throw Rejected("half circles are left out in the wrong order");
+        require_twins(model, root, v);
+        box.lower[v] = -kPiUp;
+        box.upper[v] = 0.0;
+        ++halved;
+        last_halved = v;
+        continue;
+      }
       if (node.json()[0] == Json("c")) {
         const std::vector<Value> groups = node.items();
         Box left = box;

@@ -188,7 +188,8 @@ std::optional<SearchEnd> BoundSearch::step(Meter& meter) {
       continue;
     }
     if (best->tree->expanded() >= best->next_solve) {
-      best->next_solve = std::max<std::int64_t>(2 * best->next_solve, 4);
+      // A better design lowers the cut everywhere: a local search costs as much as ten boxes or so.
+      best->next_solve += std::max<std::int64_t>(8, best->next_solve / 5);
       look_for_design(*best, best->tree->middle(), best->tree->expanded() % 3 == 0, meter);
       if (meter.stopped()) return end(meter);
       return std::nullopt;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <modsearch/baselines/certify/proof_tree_internal.hpp>
+#include <modsearch/baselines/certify/twins_internal.hpp>
 
 namespace modsearch::certify {
 namespace {
@@ -64,8 +65,10 @@ ProofOutcome prove_sequence(const SequenceModel& model, const Scenery& scenery, 
   NodeProver prover{model, scenery};
   ProofOutcome outcome;
   TreeText text;
-  outcome.whole = close_box(prover, root_box(model, static_cast<int>(scenery.targets.size())),
-                            prover.first_multipliers(), cut, stop, text, outcome);
+  const int n_goals = static_cast<int>(scenery.targets.size());
+  for (const int variable : half_circles(model, n_goals)) text.halve(variable);
+  outcome.whole =
+      close_box(prover, box_without_twins(model, n_goals), prover.first_multipliers(), cut, stop, text, outcome);
   outcome.nodes = "[" + text.nodes() + "]";
   outcome.leaves = text.leaves();
   return outcome;

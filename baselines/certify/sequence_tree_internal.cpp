@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <modsearch/baselines/certify/sequence_tree_internal.hpp>
+#include <modsearch/baselines/certify/twins_internal.hpp>
 #include <utility>
 
 namespace modsearch::certify {
@@ -19,7 +20,9 @@ SequenceTree::SequenceTree(const RobotProblem& problem, const Scenery& scenery, 
     : n_goals_{static_cast<int>(scenery.targets.size())},
       model_{std::make_unique<SequenceModel>(problem, types)},
       prover_{std::make_unique<NodeProver>(*model_, scenery)} {
-  if (recorded) record_.emplace();
+  if (!recorded) return;
+  record_.emplace();
+  for (const int variable : half_circles(*model_, n_goals_)) record_->halve(variable);
 }
 
 bool SequenceTree::comes_later(const Node& a, const Node& b) {
@@ -45,8 +48,8 @@ void SequenceTree::offer(Box box, Multipliers multipliers, double bound, double 
 }
 
 void SequenceTree::open(double cut) {
-  offer(root_box(*model_, n_goals_), prover_->first_multipliers(), -std::numeric_limits<double>::infinity(), cut,
-        TreeRecord::kRoot);
+  offer(box_without_twins(*model_, n_goals_), prover_->first_multipliers(), -std::numeric_limits<double>::infinity(),
+        cut, TreeRecord::kRoot);
 }
 
 bool SequenceTree::expand(double cut) {

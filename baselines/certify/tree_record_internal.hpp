@@ -10,6 +10,7 @@ class TreeRecord {
  public:
   static constexpr std::size_t kRoot = 0;
 
+  void halve(int variable) { entries_[kRoot].text.halve(variable); }
   void cut_off(std::size_t place, const std::vector<CutOff>& cuts) { entries_[place].text.cut_off(cuts); }
   void close(std::size_t place, const ClosedLeaf& leaf);
   /// The place of the lower half; that of the upper one is the next.

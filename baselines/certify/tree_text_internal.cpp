@@ -16,6 +16,11 @@ void TreeText::begin() {
   if (!nodes_.empty()) nodes_ += ',';
 }
 
+void TreeText::halve(int variable) {
+  begin();
+  fmt::format_to(std::back_inserter(nodes_), "[\"h\",{}]", variable);
+}
+
 void TreeText::cut_off(const std::vector<CutOff>& cuts) {
   if (cuts.empty()) return;
   begin();

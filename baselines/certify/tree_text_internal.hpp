@@ -11,6 +11,8 @@ namespace modsearch::certify {
 /// Nodes of a certificate's tree in preorder, as JSON, separated by commas.
 class TreeText {
  public:
+  /// That half a circle is enough of an angle; before all else.
+  void halve(int variable);
   /// Parts that are cut off one box.
   void cut_off(const std::vector<CutOff>& cuts);
   void split(int variable, double at);

@@ -4,9 +4,11 @@
 
 #include <cfenv>
 #include <checker/bound.hpp>
+#include <checker/twin.hpp>
 #include <modsearch/baselines/branch_and_bound.hpp>
 #include <modsearch/baselines/certificate.hpp>
 #include <modsearch/baselines/certify/node_bound_internal.hpp>
+#include <modsearch/baselines/certify/twins_internal.hpp>
 #include <modsearch/problem/files.hpp>
 #include <modsearch/problem/rng.hpp>
 
@@ -109,6 +111,36 @@ TEST(SearchAndChecker, SeeEqualArms) {
       }
     }
   }
+}
+
+TEST(SearchAndChecker, LeaveOutEqualTwins) {
+  int halved = 0;
+  for (const char* id : kScenes) {
+    const auto toolkit = modsearch::load_problem(id);
+    const Rounding up{FE_UPWARD};
+    const Problem problem = read_problem(id, "", 0, 0);
+    const std::size_t n_goals = problem.task.goals.size();
+    Draw draw{4};
+    for (int i = 0; i < 60; ++i) {
+      const std::vector<std::size_t> types = draw.types(4);
+      const Model theirs = Assembler{problem}.model(types);
+      const Box root = root_box(theirs, n_goals);
+      const std::vector<int> ours = [&] {
+        const Rounding nearest{FE_TONEAREST};
+        const certify::SequenceModel model{*toolkit, std::vector<int>(types.begin(), types.end())};
+        return certify::half_circles(model, static_cast<int>(n_goals));
+      }();
+      for (std::size_t v = 0; v < root.lower.size(); ++v) {
+        if (std::count(ours.begin(), ours.end(), static_cast<int>(v)) > 0) {
+          EXPECT_NO_THROW(require_twins(theirs, root, v));
+          ++halved;
+        } else {
+          EXPECT_THROW(require_twins(theirs, root, v), Rejected);
+        }
+      }
+    }
+  }
+  EXPECT_GT(halved, 50);
 }
 
 TEST(SearchAndChecker, GiveEqualBounds) {
@@ -289,6 +321,47 @@ TEST_F(Certificates, ThatAreChangedAreRejectedWhereTheyClaimTooMuch) {
   Json moved = good;
   moved["incumbent"]["postures"][0][0] = hex(0.1);
   EXPECT_THROW(static_cast<void>(checked(moved.dump())), Rejected);
+}
+
+TEST_F(Certificates, LeaveOutHalfACircleOnlyWhereItsTwinsAre) {
+  const Json good = Json::parse(made("seed/random_wide", 2, 1e-4).json);
+  EXPECT_NO_THROW(static_cast<void>(checked(good.dump())));
+  const auto tree_of = [](Json& certificate, const char* first) -> Json& {
+    for (Json& sequence : certificate["sequences"]) {
+      if (sequence["types"][0] == first) return sequence["tree"];
+    }
+    throw std::logic_error("no such sequence");
+  };
+  Json with = good;
+  Json& hinge = tree_of(with, "hinge");
+  ASSERT_EQ(hinge[0], Json({"h", 2}));  // lengths: proximal, distal; then the base
+  const auto reason = [&](const Json& certificate) -> std::string {
+    try {
+      static_cast<void>(checked(certificate.dump()));
+    } catch (const Rejected& why) {
+      return why.what();
+    }
+    return "accepted";
+  };
+  Json other = good;  // of the hinge itself
+  tree_of(other, "hinge")[0] = {"h", 3};
+  EXPECT_THAT(reason(other), testing::HasSubstr("half a circle is not enough"));
+  Json length = good;
+  tree_of(length, "hinge")[0] = {"h", 0};
+  EXPECT_THAT(reason(length), testing::HasSubstr("half a circle is asked of a length"));
+  Json twice = good;
+  tree_of(twice, "hinge").insert(tree_of(twice, "hinge").begin(), Json({"h", 2}));
+  EXPECT_THAT(reason(twice), testing::HasSubstr("in the wrong order"));
+  Json late = good;
+  tree_of(late, "hinge").erase(0);
+  tree_of(late, "hinge").insert(tree_of(late, "hinge").begin(), {Json({"s", 0, hex(0.8)}), Json({"h", 2})});
+  EXPECT_THAT(reason(late), testing::HasSubstr("in the middle of a tree"));
+  Json elbow = good;  // a rotary's arm has no twin
+  for (std::size_t v : {2U, 3U}) {
+    elbow = good;
+    tree_of(elbow, "rotary").insert(tree_of(elbow, "rotary").begin(), Json({"h", v}));
+    EXPECT_THAT(reason(elbow), testing::HasSubstr("half a circle is"));
+  }
 }
 
 TEST_F(Certificates, SayThatFewerModulesDoNotSuffice) {
