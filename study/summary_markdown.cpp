@@ -88,7 +88,7 @@ std::string break_even_text(const Summary& summary, std::vector<std::size_t> tar
       if (summary.rows[r].trained && summary.rows[r].success[t].value < 0.5) {
         missed.push_back(fmt::format("{} ({}, {})", summary.rows[r].label, summary.targets[t].name(),
                                      percent(summary.rows[r].success[t])));
-        continue;
+        break;  // what follows includes it
       }
       const std::optional<AmortisedCost> evaluations = amortised_cost(summary.rows[r], t, Measure::kEvaluations);
       const std::optional<AmortisedCost> seconds = amortised_cost(summary.rows[r], t, Measure::kSeconds);
@@ -100,9 +100,10 @@ std::string break_even_text(const Summary& summary, std::vector<std::size_t> tar
       text += "\n";
     }
   }
-  const std::string rest = missed.empty() ? ""
-                                          : fmt::format("\nMet in less than half of the runs, so not compared: {}.\n",
-                                                        fmt::join(missed, "; "));
+  const std::string rest =
+      missed.empty() ? ""
+                     : fmt::format("\nMet in less than half of the runs, and not compared from there on: {}.\n",
+                                   fmt::join(missed, "; "));
   if (text.empty()) return rest;
   std::string head = "| trained | target | met in | evaluations of a use | pays from, by evaluations | by time |";
   std::string rule = "|---|---|---|---|---|---|";
