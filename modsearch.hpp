@@ -94,6 +94,7 @@
 #include <modsearch/rl/state_archive.hpp>
 #include <modsearch/rl/training.hpp>
 #include <modsearch/rl/training_csv.hpp>
+#include <modsearch/rl/whitening.hpp>
 #include <modsearch/solvers/archive.hpp>
 #include <modsearch/solvers/checkpoint.hpp>
 #include <modsearch/solvers/crc32c.hpp>

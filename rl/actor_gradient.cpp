@@ -1,8 +1,38 @@
 #include <algorithm>
 #include <cmath>
 #include <modsearch/rl/actor_gradient.hpp>
+#include <modsearch/rl/polish.hpp>
 
 namespace modsearch {
+namespace {
+
+// A model with a part of its tolerance: what is polished on it ends well inside, whichever side it came from.
+class Tightened final : public ActionModel {
+ public:
+  Tightened(const ActionModel& model, double share) : model_{model}, share_{share} {}
+  [[nodiscard]] std::optional<Look> look(int k, std::span<const float> x_k, Work& work) const override {
+    std::optional<Look> look = model_.look(k, x_k, work);
+    if (look) look->tolerance *= share_;
+    return look;
+  }
+  [[nodiscard]] std::vector<double> key() const override { return model_.key(); }
+
+ private:
+  const ActionModel& model_;
+  double share_;
+};
+
+// The pull [n_k] of weight 1 from x_k towards what the polish makes of it.
+Eigen::VectorXf pull_to_polished(const ActionModel& model, int k, const Eigen::VectorXf& x_k,
+                                 const ModelGradientOptions& options, Work& work) {
+  Eigen::VectorXf polished = x_k;
+  polish(Tightened{model, options.pull_aim}, k, {polished.data(), static_cast<std::size_t>(polished.size())},
+         options.pull_steps, {.descend_mass = options.pull_mass}, work);
+  const Eigen::ArrayXf way = (polished - x_k).array();
+  return way / (way.square() + static_cast<float>(options.pull_width * options.pull_width)).sqrt();
+}
+
+}  // namespace
 
 void invert_gradients(Eigen::Ref<RowMatrixXf> g, const Eigen::Ref<const RowMatrixXf>& p, float bound) {
   const float range = 2.0F * bound;
@@ -42,6 +72,11 @@ Work add_model_gradient(const Batch& batch, const HybridSpace& space, const Mode
       if (space.count(k) == 0 || (options.taken && k != batch.k[row])) continue;
       // The model knows the parameters' own ranges only; beyond them the nearest point says which way is back.
       x_k = x.row(row).segment(space.offset(k), space.count(k)).transpose().cwiseMax(-1.0F).cwiseMin(1.0F);
+      if (options.pull != 0.0) {
+        g.row(row).segment(space.offset(k), space.count(k)) +=
+            static_cast<float>(share * options.pull) * pull_to_polished(*model, k, x_k, options, work).transpose();
+      }
+      if (options.reach == 0.0 && options.mass == 0.0) continue;
       const auto look = model->look(k, {x_k.data(), static_cast<std::size_t>(x_k.size())}, work);
       if (!look) continue;
       const double pull = options.reach * look->error / std::hypot(look->error, options.width);

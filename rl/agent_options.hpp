@@ -25,13 +25,24 @@ enum class BoundGradients {
 /// The exact derivatives of reach error and mass, added to the actor's gradient where the environment has a model:
 /// g_k += -reach e / sqrt(e^2 + width^2) de/dx_k - mass dm/dx_k. The root turns the pull off at the goal instead of
 /// letting it jump.
+///
+/// Their sum has valleys in which a length that should rest at its bound makes up for the others' errors. A pull
+/// towards what the polish makes of x_k has none: g_k += pull (x* - x_k) / sqrt((x* - x_k)^2 + pull_width^2) per
+/// parameter.
 struct ModelGradientOptions {
   double reach = 0.0;   ///< weight of the error e; 0: no model gradient
   double mass = 0.0;    ///< weight of the mass
   double width = 2e-3;  ///< [m]; twice the tolerance of the reference task
   bool taken = false;   ///< only in the taken action's parameters: what is proposed for types that are never the best,
                         ///< and may never reach, then does not compete for the network
-  double critic = 1.0;  ///< weight of dQ/dx beside it; 0: the critic only chooses the type
+  double pull = 0.0;    ///< weight of the pull towards the polished parameters; 0: none
+  double pull_width = 0.01;  ///< in scaled units, ten times the tolerance there; an L2 norm below, an L1 norm above
+  int pull_steps = 5;        ///< of the polish; arbitrary, most proposals need one or two
+  double pull_aim = 0.3;     ///< share of the tolerance to which it goes: room for what the network misses it by
+  bool pull_mass = true;     ///< on to the lightest parameters that reach, instead of the nearest
+  double critic = 1.0;       ///< weight of dQ/dx beside it; 0: the critic only chooses the type
+
+  [[nodiscard]] bool any() const { return reach != 0.0 || mass != 0.0 || pull != 0.0; }
 };
 
 /// What makes a critic "TD3" (Fujimoto et al. 2018).
@@ -66,7 +77,9 @@ struct AgentOptions {
                                 ///< and mu in J are never clipped); false: the published code, which only acts clipped
   bool average = false;         ///< act by mu', a running mean of mu's weights (Polyak and Juditsky 1992)
 
-  /// Frozen linear passthrough added to mu: weights N(mean, deviation^2), bias N(0, deviation^2) or as given.
+  /// Linear passthrough added to mu, frozen unless it has a rate: weights N(mean, deviation^2), bias N(0, deviation^2)
+  /// or as given.
+  double passthrough_rate = 0.0;              ///< its learning rate; 0: frozen, as published
   double passthrough_bias_deviation = 0.0;    ///< the report's code: 2 (of which 62 % lie outside the bounds)
   double passthrough_weight_mean = 0.0;       ///< the report's text: 1
   double passthrough_weight_deviation = 0.0;  ///< the report's text: 1

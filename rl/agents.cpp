@@ -39,10 +39,15 @@ void check(const AgentOptions& options) {
   positive("learning rate of the values", options.value_rate);
   positive("learning rate of the actor", options.actor_rate);
   positive("width of the model gradient", options.model.width);
+  positive("width of the pull", options.model.pull_width);
+  positive("aim of the pull", options.model.pull_aim);
+  share("aim of the pull", options.model.pull_aim);
+  require(options.model.pull_steps >= 1, "steps of the pull's polish", options.model.pull_steps, "[1, ..)");
   require(options.bound >= 1.0, "bound of the parameters' gradients", options.bound, "[1, inf)");
   require(options.td3.delay >= 1, "updates of the values per update of the actor", options.td3.delay, "[1, ..)");
   not_negative("smoothing of the target parameters", options.td3.smoothing);
   not_negative("clip of that smoothing", options.td3.smoothing_clip);
+  not_negative("learning rate of the passthrough", options.passthrough_rate);
   not_negative("deviation of the passthrough's bias", options.passthrough_bias_deviation);
   not_negative("deviation of the passthrough's weights", options.passthrough_weight_deviation);
 }

@@ -57,7 +57,7 @@ DesignEnvironment::DesignEnvironment(ProblemSource source, DesignEnvironmentOpti
       problem_{drawn(0)},
       family_{std::dynamic_pointer_cast<const RobotProblem>(problem_)},
       space_{space_of(problem_->library())},
-      encoder_{options_.encoder, *problem_},
+      encoder_{options_.encoder = with_whitening(options_.encoder), *problem_},
       targets_{targets(*problem_)},
       instance_{encoder_.instance(*problem_)} {
   if (mask_after(*problem_, design_) == 0) {
@@ -90,6 +90,21 @@ std::shared_ptr<const DesignProblem> DesignEnvironment::drawn(std::uint64_t seed
   }
   if (robot->spec().level == *options_.level) return problem;
   return std::make_shared<const RobotProblem>(robot->with_level(*options_.level));
+}
+
+EncoderOptions DesignEnvironment::with_whitening(EncoderOptions encoder) const {
+  if (options_.whiten <= 0 || !encoder.whitening.empty()) return encoder;
+  const ObservationEncoder plain{encoder, *problem_};
+  const Rng rng = Rng{0}.fork("whitening");
+  Eigen::MatrixXd samples;
+  for (int i = 0; i < options_.whiten; ++i) {
+    const Eigen::VectorXd sample =
+        plain.instance(*drawn(rng.fork(static_cast<std::uint64_t>(i)).bits())).cast<double>();
+    if (i == 0) samples.resize(options_.whiten, sample.size());
+    samples.row(i) = sample.transpose();
+  }
+  encoder.whitening = numbers_of(whitening_of(samples));
+  return encoder;
 }
 
 Placement DesignEnvironment::placement(int k, std::span<const float> x_k) const {

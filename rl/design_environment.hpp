@@ -30,6 +30,8 @@ struct DesignEnvironmentOptions {
   int model_joints = 3;  ///< no models beyond that many joints: up to three the least distance is exact (PROBLEM 3)
   /// Where hindsight may move the goal to; anywhere if empty.
   std::optional<Sampling> hindsight_region = {};
+  /// Instances from which encoder.whitening is taken where it is empty; 0: none is.
+  int whiten = 0;
 };
 
 /// The search for a design as a Markov decision process, one placement per step: begins with the empty design, ends
@@ -59,6 +61,7 @@ class DesignEnvironment final : public Environment {
   [[nodiscard]] const Design& design() const { return design_; }
   /// What design() is worth; nothing before the first step and after a refused one.
   [[nodiscard]] const std::optional<Evaluation>& evaluation() const { return evaluation_; }
+  /// As given, and encoder.whitening as taken from the first source.
   [[nodiscard]] const DesignEnvironmentOptions& options() const { return options_; }
 
   [[nodiscard]] std::string name() const override { return problem_->name(); }
@@ -83,6 +86,7 @@ class DesignEnvironment final : public Environment {
   Step do_step(int k, std::span<const float> x_k, View& next) override;
 
   [[nodiscard]] std::shared_ptr<const DesignProblem> drawn(std::uint64_t seed) const;
+  [[nodiscard]] EncoderOptions with_whitening(EncoderOptions encoder) const;
   [[nodiscard]] Placement placement(int k, std::span<const float> x_k) const;
   [[nodiscard]] std::optional<Evaluation> evaluated(const DesignProblem& problem, const Design& design) const;
   [[nodiscard]] ActionMask mask_after(const DesignProblem& problem, const Design& design) const;

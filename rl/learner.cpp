@@ -46,7 +46,9 @@ Training AgentLearner::train(const ProblemSource& source, Meter& meter, Rng rng)
   training.steps = trainer.steps();
   training.updates = trainer.updates();
   training.seconds = trainer.seconds();
-  training.policy = std::make_unique<Policy>(settings_, *agent);
+  LearnerSettings settings = settings_;
+  settings.environment = environment.options();  // with the whitening it has found
+  training.policy = std::make_unique<Policy>(std::move(settings), *agent);
   training.spent = meter.progress();
   return training;
 }

@@ -97,7 +97,11 @@ ObservationEncoder::ObservationEncoder(EncoderOptions options, const DesignProbl
     n_parameters_ = library.max_parameters();
     design_size_ = n_slots_ * (library.n_types() + 1 + n_parameters_) + 1;
   }
-  instance_size_ = static_cast<int>(instance_numbers(problem).size());
+  instance_size_ = n_instance_numbers_ = static_cast<int>(instance_numbers(problem).size());
+  if (options_.whitening.empty()) return;
+  if (options_.kind == EncoderKind::kSeed36) refuse("shows the report's numbers, which are not whitened");
+  whitening_ = whitening_from(options_.whitening, n_instance_numbers_);
+  instance_size_ = static_cast<int>(whitening_->A.rows());
 }
 
 std::vector<double> ObservationEncoder::instance_numbers(const DesignProblem& problem) const {
@@ -153,11 +157,12 @@ Eigen::VectorXf ObservationEncoder::instance(const DesignProblem& problem) const
   }
   if (parameters_by_type(problem.library()) != parameters_of_type_) refuse("another library than its family's");
   const std::vector<double> numbers = instance_numbers(problem);
-  if (static_cast<int>(numbers.size()) != instance_size_) {
-    refuse(fmt::format("{} numbers describe it, {} the others of its family", numbers.size(), instance_size_));
+  if (static_cast<int>(numbers.size()) != n_instance_numbers_) {
+    refuse(fmt::format("{} numbers describe it, {} the others of its family", numbers.size(), n_instance_numbers_));
   }
-  const Eigen::Map<const Eigen::VectorXd> all{numbers.data(), instance_size_};
+  const Eigen::Map<const Eigen::VectorXd> all{numbers.data(), n_instance_numbers_};
   if (!all.allFinite()) refuse("a number of its context is not finite");
+  if (whitening_) return (*whitening_)(all).cast<float>();
   return all.cast<float>();
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <modsearch/problem/design_problem.hpp>
+#include <modsearch/rl/whitening.hpp>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -30,6 +32,9 @@ struct EncoderOptions {
   /// kScaled only: heights on the base's axis [m] from which every goal's distance is shown. Where a joint sits at such
   /// a height the length of what it turns is one of these numbers, instead of a root that networks must bend towards.
   std::vector<double> axis_heights{};
+  /// kScaled only: instead of the n numbers that tell instances apart their whitened ones, as numbers_of() writes it.
+  /// Empty: as they are.
+  std::vector<double> whitening{};
 };
 
 /// Turns designs of one family of problems into observations of one length.
@@ -37,7 +42,8 @@ struct EncoderOptions {
 /// kScaled: slot i = 0 .. max_modules - 2, base to tip: [one-hot type, n_types + 1 with "empty" last; parameters, as
 /// many as the largest type has, scaled from the library's ranges to [-1, 1], 0 where there are none]; then the share
 /// of modules placed, scaled to [-1, 1]; then problem.context(); then per goal (rho, |t|) / 2 m, for a target t in the
-/// base's frame, per goal its distances from axis_heights / 2 m, and its place in goal_box (robot problems only).
+/// base's frame, per goal its distances from axis_heights / 2 m, and its place in goal_box (robot problems only). What
+/// follows the share of modules placed may be whitened.
 ///
 /// kSeed36: ten type IDs over 3 (slot 0 is the base, 1.0; link 0, hinge 1 / 3, rotary 2 / 3), ten pairs of parameters
 /// in their own unit, the base's position, the first goal's position [m]. Empty slots look like a link of length 0;
@@ -46,7 +52,7 @@ struct EncoderOptions {
 class ObservationEncoder {
  public:
   /// For the family of `problem`. Throws std::invalid_argument (what, value, limit) if `problem` cannot be encoded so,
-  /// or for a goal_box that is no box.
+  /// or for a goal_box that is no box, or a whitening of other numbers.
   ObservationEncoder(EncoderOptions options, const DesignProblem& problem);
 
   [[nodiscard]] int size() const { return design_size_ + instance_size_; }
@@ -68,7 +74,9 @@ class ObservationEncoder {
   int n_parameters_ = 0;  // per slot
   std::vector<int> parameters_of_type_;
   std::vector<float> seed36_ids_;  // by type
+  std::optional<Whitening> whitening_;
   int design_size_ = 0;
+  int n_instance_numbers_ = 0;  // before they are whitened
   int instance_size_ = 0;
 };
 

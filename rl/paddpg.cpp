@@ -68,11 +68,11 @@ void Paddpg::learn_actor(const Batch& batch, UpdateFacts& facts) {
     const RowMatrixXf dj_dq = RowMatrixXf::Constant(batch.size(), 1, 1.0F / static_cast<float>(batch.size()));
     g = static_cast<float>(options_.model.critic) * q.parameters_gradient(dj_dq);
   }
-  if (options_.model.reach != 0.0 || options_.model.mass != 0.0) {
+  if (options_.model.any()) {
     const int n = space_.n_parameters();
     facts.work += add_model_gradient(batch, space_, options_.model, action.rightCols(n), g.rightCols(n));
   }
-  facts.actor_gradient = actor_.climb(std::move(g), action, options_.actor_rate * rate_factor_);
+  facts.actor_gradient = actor_.climb(std::move(g), batch.s, action, rate_factor_);
 }
 
 std::vector<StatePart> Paddpg::state() {

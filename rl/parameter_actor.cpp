@@ -35,7 +35,7 @@ ParameterActor::ParameterActor(const HybridSpace& space, int observation_size, i
   } else {
     for (float& b : bias) b = static_cast<float>(options.passthrough_bias_deviation * draw.normal());
   }
-  has_passthrough_ = !passthrough_.isZero(0.0F);
+  has_passthrough_ = options.passthrough_rate > 0.0 || !passthrough_.isZero(0.0F);
 }
 
 const RowMatrixXf& ParameterActor::forward(const RowMatrixXf& s) {
@@ -62,6 +62,14 @@ void ParameterActor::backward(const RowMatrixXf& d_outputs, Eigen::VectorXf& gra
   network_.backward(d_outputs, pass_, &gradient, nullptr);
 }
 
+void ParameterActor::passthrough_backward(const RowMatrixXf& d_outputs, const RowMatrixXf& s,
+                                          Eigen::VectorXf& gradient) const {
+  const Eigen::Index n = d_outputs.cols() - n_heads_;
+  Eigen::Map<Eigen::MatrixXf> w{gradient.data(), n, s.cols()};
+  w.noalias() += d_outputs.rightCols(n).transpose() * s;
+  gradient.tail(n) += d_outputs.rightCols(n).colwise().sum().transpose();
+}
+
 LearningActor::LearningActor(const HybridSpace& space, int observation_size, int n_heads, const AgentOptions& options,
                              Rng rng)
     : mu{space, observation_size, n_heads, options, rng},
@@ -70,10 +78,14 @@ LearningActor::LearningActor(const HybridSpace& space, int observation_size, int
       bound_{static_cast<float>(options.bound)},
       average_{options.average},
       tau_{static_cast<float>(options.actor_tau)},
+      rate_{options.actor_rate},
+      passthrough_rate_{options.passthrough_rate},
       adam_{mu.parameters().size(), options.adam()},
-      gradient_{Eigen::VectorXf::Zero(mu.parameters().size())} {}
+      passthrough_adam_{passthrough_rate_ > 0.0 ? mu.passthrough().size() : 0, options.adam()},
+      gradient_{Eigen::VectorXf::Zero(mu.parameters().size())},
+      passthrough_gradient_{Eigen::VectorXf::Zero(passthrough_adam_.m.size())} {}
 
-double LearningActor::climb(RowMatrixXf g, const RowMatrixXf& outputs, double rate) {
+double LearningActor::climb(RowMatrixXf g, const RowMatrixXf& s, const RowMatrixXf& outputs, double rate_factor) {
   switch (bounds_) {
     case BoundGradients::kInvert:
       invert_gradients(g, outputs, bound_);
@@ -84,12 +96,22 @@ double LearningActor::climb(RowMatrixXf g, const RowMatrixXf& outputs, double ra
     case BoundGradients::kNone:
       break;
   }
+  g = -g;
+  if (passthrough_rate_ > 0.0) {
+    passthrough_gradient_.setZero();
+    mu.passthrough_backward(g, s, passthrough_gradient_);
+    passthrough_adam_.step(mu.passthrough(), passthrough_gradient_,
+                           static_cast<float>(passthrough_rate_ * rate_factor));
+  }
   gradient_.setZero();
-  mu.backward(-g, gradient_);
-  return adam_.step(mu.parameters(), gradient_, static_cast<float>(rate));
+  mu.backward(g, gradient_);
+  return adam_.step(mu.parameters(), gradient_, static_cast<float>(rate_ * rate_factor));
 }
 
-void LearningActor::follow() { soft_update(target.parameters(), mu.parameters(), tau_); }
+void LearningActor::follow() {
+  soft_update(target.parameters(), mu.parameters(), tau_);
+  if (passthrough_rate_ > 0.0) soft_update(target.passthrough(), mu.passthrough(), tau_);
+}
 
 void LearningActor::append_state(std::vector<StatePart>& parts) {
   parts.push_back(state_part("mu", mu.parameters(), !average_));
@@ -99,6 +121,10 @@ void LearningActor::append_state(std::vector<StatePart>& parts) {
   parts.push_back(state_part("mu.adam.m", adam_.m));
   parts.push_back(state_part("mu.adam.v", adam_.v));
   parts.push_back(state_part("mu.adam.steps", adam_.steps));
+  if (passthrough_rate_ == 0.0) return;
+  parts.push_back(state_part("mu.passthrough.adam.m", passthrough_adam_.m));
+  parts.push_back(state_part("mu.passthrough.adam.v", passthrough_adam_.v));
+  parts.push_back(state_part("mu.passthrough.adam.steps", passthrough_adam_.steps));
 }
 
 }  // namespace modsearch

@@ -7,8 +7,9 @@
 
 namespace modsearch {
 
-/// The parameter actor mu(s) of the P-DQN family: a perceptron plus a linear passthrough W s + b that is drawn once and
-/// never learns (Bester et al. 2019). Linear outputs: what becomes of gradients at the bounds keeps them in, not a
+/// The parameter actor mu(s) of the P-DQN family: a perceptron plus a linear passthrough W s + b (Bester et al. 2019).
+/// Theirs is drawn once and never learns; where it does, what is linear in s is learned to the last digit, which the
+/// perceptron alone only comes close to. Linear outputs: what becomes of gradients at the bounds keeps them in, not a
 /// squash.
 class ParameterActor {
  public:
@@ -21,10 +22,12 @@ class ParameterActor {
   [[nodiscard]] Eigen::VectorXf forward_one(const Eigen::VectorXf& s);
   /// Adds dL/dw to `gradient` for dL/dmu at the last forward.
   void backward(const RowMatrixXf& d_outputs, Eigen::VectorXf& gradient);
+  /// The same for the passthrough, at the states `s` of that forward.
+  void passthrough_backward(const RowMatrixXf& d_outputs, const RowMatrixXf& s, Eigen::VectorXf& gradient) const;
 
-  /// Weights that learn.
+  /// Weights of the perceptron.
   [[nodiscard]] Eigen::VectorXf& parameters() { return network_.parameters(); }
-  /// Weights that do not: W [D x observation_size] by columns, then b [D].
+  /// Weights of the passthrough: W [D x observation_size] by columns, then b [D].
   [[nodiscard]] Eigen::VectorXf& passthrough() { return passthrough_; }
 
  private:
@@ -33,7 +36,7 @@ class ParameterActor {
   Eigen::VectorXf passthrough_;  // as passthrough() says
   RowMatrixXf outputs_;
   int n_heads_;
-  bool has_passthrough_ = false;  // W or b is not 0
+  bool has_passthrough_ = false;  // W or b is not 0, or may not stay so
 };
 
 /// A parameter actor that learns: mu, its slowly following target mu', and what the learning remembers.
@@ -47,9 +50,10 @@ class LearningActor {
 
   /// The one that acts: mu, or mu' where the options ask for its average.
   [[nodiscard]] ParameterActor& acting() { return average_ ? target : mu; }
-  /// One step of Adam along dJ/dmu [B x (n_heads + D)] at `outputs`, the last forward of mu, bent at the bounds as the
-  /// options say. Returns the norm of the gradient in the weights before clipping.
-  double climb(RowMatrixXf g, const RowMatrixXf& outputs, double rate);
+  /// One step of Adam along dJ/dmu [B x (n_heads + D)] at `outputs`, the last forward of mu, which was at `s`, bent at
+  /// the bounds as the options say. `rate_factor` scales the learning rates. Returns the norm of the gradient in the
+  /// perceptron's weights before clipping.
+  double climb(RowMatrixXf g, const RowMatrixXf& s, const RowMatrixXf& outputs, double rate_factor);
   /// The target follows mu.
   void follow();
   /// Adds its memory to `parts`.
@@ -60,8 +64,12 @@ class LearningActor {
   float bound_;
   bool average_;
   float tau_;
+  double rate_;
+  double passthrough_rate_;
   Adam adam_;
+  Adam passthrough_adam_;
   Eigen::VectorXf gradient_;
+  Eigen::VectorXf passthrough_gradient_;
 };
 
 }  // namespace modsearch

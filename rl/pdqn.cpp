@@ -68,10 +68,10 @@ void Pdqn::learn_actor(const Batch& batch, Rng& rng, UpdateFacts& facts) {
     g = static_cast<float>(options_.model.critic) * q.parameters_gradient(weights(batch, rng));
     if (options_.zero_index_gradients) keep_taken_slices(batch, space_, g);
   }
-  if (options_.model.reach != 0.0 || options_.model.mass != 0.0) {
+  if (options_.model.any()) {
     facts.work += add_model_gradient(batch, space_, options_.model, x, g);
   }
-  facts.actor_gradient = actor_.climb(std::move(g), x, options_.actor_rate * rate_factor_);
+  facts.actor_gradient = actor_.climb(std::move(g), batch.s, x, rate_factor_);
 }
 
 // dJ/dQ [B x K]: the weights w_k, divided by B.

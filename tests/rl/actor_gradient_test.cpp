@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <modsearch/rl/actor_gradient.hpp>
 
 namespace modsearch {
@@ -88,6 +89,42 @@ TEST(ModelGradient, PullsTowardsTheGoalAndDownTheMass) {
   EXPECT_EQ(g(0, 0), 0.0F);
   EXPECT_EQ(g.row(1).norm(), 0.0F);
   EXPECT_EQ(work.ik_iterations, 1);
+}
+
+// The pull on x, of one row, as float.
+float pull_at(float x, ModelGradientOptions options) {
+  const LineModel model;
+  Batch batch;
+  batch.resize(1, 1, 2);
+  batch.model = {&model};
+  RowMatrixXf g = RowMatrixXf::Zero(1, 2);
+  options.pull = 10.0;
+  static_cast<void>(add_model_gradient(batch, HybridSpace{{1, 1}}, options, RowMatrixXf::Constant(1, 2, x), g));
+  EXPECT_EQ(g(0, 0), 0.0F);  // the model has no answer for action 0
+  return g(0, 1);
+}
+
+TEST(ModelGradient, PullsTowardsThePolishedParameters) {
+  // The lightest that reach within 0.3 of the tolerance lie at 0.3 - 0.0003; the way there is -0.4003, the width 0.3.
+  const ModelGradientOptions lightest{.pull_width = 0.3, .pull_aim = 0.3};
+  EXPECT_NEAR(pull_at(0.7F, lightest), -10.0 * 0.4003 / std::hypot(0.4003, 0.3), 1e-4);
+  // The nearest lie at half of that on the near side: 0.3 + 0.00015.
+  const ModelGradientOptions nearest{.pull_width = 0.3, .pull_aim = 0.3, .pull_mass = false};
+  EXPECT_NEAR(pull_at(0.7F, nearest), -10.0 * 0.39985 / std::hypot(0.39985, 0.3), 1e-4);
+  EXPECT_EQ(pull_at(0.3F, nearest), 0.0F);
+}
+
+TEST(ModelGradient, PullsInwardsFromWithinTheToleranceToo) {
+  const ModelGradientOptions options{.pull_aim = 0.3};
+  EXPECT_GT(pull_at(0.3F - 0.0009F, options), 0.0F);  // reaches, and is lighter than the aim
+  EXPECT_LT(pull_at(0.3F + 0.0009F, options), 0.0F);
+}
+
+TEST(ModelGradient, CountsAParameterBeyondItsBoundAsOnIt) {
+  // x counts as 1, from where 0.3 is down, and as -1, from where it is up: beyond a bound it is no further.
+  const ModelGradientOptions options{.pull_width = 0.3};
+  EXPECT_EQ(pull_at(1.5F, options), pull_at(1.0F, options));
+  EXPECT_EQ(pull_at(-1.5F, options), pull_at(-1.0F, options));
 }
 
 TEST(ModelGradient, MovesOnlyTheTakenActionWhereAsked) {

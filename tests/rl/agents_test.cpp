@@ -215,6 +215,10 @@ TEST(MakeAgent, RefusesOptionsOutOfRange) {
   refused({.actor_hidden = {1'000'000}});
   refused({.bound = 0.5});
   refused({.td3 = {.delay = 0}});
+  refused({.passthrough_rate = -1e-3});
+  refused({.model = {.pull_width = 0.0}});
+  refused({.model = {.pull_aim = 1.5}});
+  refused({.model = {.pull_steps = 0}});
 }
 
 TEST(Dqn, NumbersItsActionsOneToOne) {

@@ -150,6 +150,31 @@ TEST(DesignEnvironment, DrawsANewInstanceForEveryEpisodeAndTheSameForTheSameStre
   EXPECT_EQ(environment.observation(), first);
 }
 
+TEST(DesignEnvironment, WhitensWhatTellsItsInstancesApart) {
+  const ProblemFile file = load_problem_file("seed/random_narrow");
+  const int plain = DesignEnvironment{file}.observation_size();
+  DesignEnvironment environment{file, {.whiten = 2000}};
+  // The target's three coordinates, its two cylindrical distances: five directions that differ.
+  ASSERT_EQ(environment.observation_size(), plain);
+  constexpr int kDraws = 2000;
+  Eigen::MatrixXd seen(kDraws, 5);
+  for (int i = 0; i < kDraws; ++i) {
+    environment.reset(Rng{1}.fork(static_cast<std::uint64_t>(i)));
+    seen.row(i) = environment.observation().tail(5).cast<double>().transpose();
+  }
+  // Other instances than those it was whitened by: deviations of means and covariances of 2000 draws are 0.03.
+  EXPECT_LT(seen.colwise().mean().cwiseAbs().maxCoeff(), 0.2);
+  EXPECT_TRUE((seen.transpose() * seen / kDraws - Eigen::MatrixXd::Identity(5, 5)).cwiseAbs().maxCoeff() < 0.3);
+
+  // What it has found goes on with its options: a policy meets one problem only.
+  const auto problem = file.instance({3, 4});
+  DesignEnvironment other{[&problem](Rng) { return problem; }, environment.options()};
+  environment.set_source([&problem](Rng) { return problem; });
+  environment.reset(Rng{0});
+  other.reset(Rng{0});
+  EXPECT_EQ(other.observation(), environment.observation());
+}
+
 TEST(DesignEnvironment, SolvesTheProblemItIsGiven) {
   const ProblemFile file = load_problem_file("seed/random_wide");
   DesignEnvironment environment{file};

@@ -1,9 +1,8 @@
-#include <modsearch/rl/exploration.hpp>
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <modsearch/rl/agents.hpp>
+#include <modsearch/rl/exploration.hpp>
 
 namespace modsearch {
 namespace {
@@ -32,7 +31,8 @@ TEST(Exploration, IsGreedyWithoutEpsilonAndNoise) {
 // Deviation and correlation of successive noises on the chosen parameter.
 std::pair<double, double> statistics(NoiseKind kind) {
   const auto agent = any_agent();
-  Exploration exploration{{.last_epsilon = 0.0, .epsilon_episodes = 1, .noise = kind, .deviation = 0.1, .theta = 0.15}, 2};
+  Exploration exploration{{.last_epsilon = 0.0, .epsilon_episodes = 1, .noise = kind, .deviation = 0.1, .theta = 0.15},
+                          2};
   const Eigen::VectorXf s = Eigen::VectorXf::Constant(1, 0.3F);
   const HybridAction greedy = agent->greedy(s, 1);
   Rng rng{0};

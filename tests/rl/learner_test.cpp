@@ -51,6 +51,23 @@ TEST_P(EveryLearner, KeepsItsPolicyInAFile) {
   }
 }
 
+TEST(AgentLearner, KeepsTheWhiteningOfItsObservationsWithThePolicy) {
+  const ProblemFile file = load_problem_file("seed/random_narrow");
+  LearnerSettings settings = short_settings(AgentKind::kMpdqn);
+  settings.environment.whiten = 200;
+  Meter meter{};
+  const Training training = AgentLearner{settings}.train(problem_source(file), meter, Rng{5});
+  const auto& policy = dynamic_cast<const Policy&>(*training.policy);
+  EXPECT_FALSE(policy.settings().environment.encoder.whitening.empty());
+  const std::unique_ptr<Policy> read =
+      revive(describe(policy, *file.spec.library, "seed/random_narrow", {.version = "test"}));
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    const auto problem = file.instance({7, i});
+    Meter first{}, second{};
+    EXPECT_EQ(read->solve(*problem, second, Rng{0}).design, policy.solve(*problem, first, Rng{0}).design);
+  }
+}
+
 TEST(AgentLearner, LearnsOneModuleOnTheFixedProblem) {
   const ProblemFile file = load_problem_file("seed/fixed");
   LearnerSettings settings = settings_of(AgentKind::kMpdqn, Preset::kBest);
@@ -127,9 +144,11 @@ TEST(SavedPolicy, IsRefusedWithAnUnknownAgentOrSetting) {
 TEST(Checkpoint, LetsATrainingOnDesignsEndAsIfItHadNeverStopped) {
   const ProblemFile file = load_problem_file("seed/random_obstacles");
   LearnerSettings settings = short_settings(AgentKind::kMpdqn);
-  settings.agent.model = {.reach = 10.0, .mass = 1.0};
+  settings.agent.model = {.reach = 10.0, .mass = 1.0, .pull = 1.0};
+  settings.agent.passthrough_rate = 1e-3;
   settings.training.hindsight = 2;
   settings.training.elite_share = 0.25;
+  settings.environment.whiten = 100;
   settings.environment.hindsight_region = file.sampling;
   const auto tensors = [](const Training& t) { return dynamic_cast<const Policy&>(*t.policy).tensors(); };
 

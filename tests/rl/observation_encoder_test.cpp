@@ -139,6 +139,31 @@ TEST(ScaledObservation, ShowsDistancesFromPointsOfTheBasesAxisWhenAsked) {
   EXPECT_FLOAT_EQ(numbers[61], static_cast<float>(0.5 * std::sqrt(5.0)));
 }
 
+TEST(WhitenedObservation, HoldsTheWhitenedNumbersInPlaceOfTheInstances) {
+  const auto problem = load_problem("seed/fixed");  // target (1, 0, 1)
+  const std::vector<float> plain = encoded({.cylindrical = false}, *problem, {});
+  ASSERT_EQ(plain.size(), 58U);  // the target over 2 m comes last: 0.5, 0, 0.5
+  const std::vector<double> mean{0.25, 0.0, 0.0};
+  const std::vector<double> rows{4.0, 0.0, 0.0, 1.0, 2.0, 3.0};
+  std::vector<double> whitening = mean;
+  whitening.insert(whitening.end(), rows.begin(), rows.end());
+  std::vector<float> expected(plain.begin(), plain.end() - 3);
+  expected.insert(expected.end(), {4.0F * 0.25F, 0.25F + 3.0F * 0.5F});
+  EXPECT_EQ(encoded({.cylindrical = false, .whitening = whitening}, *problem, {}), expected);
+}
+
+TEST(WhitenedObservation, IsRefusedForOtherNumbersThanTheInstances) {
+  const auto problem = load_problem("seed/fixed");
+  EXPECT_THAT(refusal([&] {
+                ObservationEncoder({.whitening = {0.0, 1.0}}, *problem);
+              }),
+              HasSubstr("whitening: 2 numbers"));
+  EXPECT_THAT(refusal([&] {
+                ObservationEncoder({.kind = EncoderKind::kSeed36, .whitening = {0.0, 1.0}}, *problem);
+              }),
+              HasSubstr("not whitened"));
+}
+
 TEST(ScaledObservation, DescribesObstacles) {
   const auto problem = load_problem("seed/random_obstacles");
   // Three shapes of centre and radius: the first sphere is 0.3 m about (-0.5, 0.5, 1.2), all over 2 m.

@@ -1,8 +1,7 @@
-#include <modsearch/rl/returns.hpp>
-
 #include <gtest/gtest.h>
 
 #include <modsearch/rl/agents.hpp>
+#include <modsearch/rl/returns.hpp>
 
 namespace modsearch {
 namespace {
@@ -64,10 +63,10 @@ TEST(Returns, OfTwoStepsSumTwoRewards) {
   const std::vector<Experience> ready = returns.add(*agent, step(2.0F, 4.0F, true));
   ASSERT_EQ(ready.size(), 3U);
   EXPECT_FLOAT_EQ(ready[0].reward, 1.0F + 0.5F * 2.0F);
-  EXPECT_FLOAT_EQ(ready[0].discount, 0.25F);       // gamma^2, then the value of state 2
+  EXPECT_FLOAT_EQ(ready[0].discount, 0.25F);  // gamma^2, then the value of state 2
   EXPECT_FLOAT_EQ(ready[0].s_next[0], 2.0F);
   EXPECT_FLOAT_EQ(ready[1].reward, 2.0F + 0.5F * 4.0F);
-  EXPECT_FLOAT_EQ(ready[1].discount, 0.0F);        // the episode has ended within the two steps
+  EXPECT_FLOAT_EQ(ready[1].discount, 0.0F);  // the episode has ended within the two steps
   EXPECT_FLOAT_EQ(ready[2].reward, 4.0F);
   // The whole return, the first transition included: 1 + 0.5 (2 + 0.5 * 4).
   EXPECT_FLOAT_EQ(ready[0].remaining, 3.0F);

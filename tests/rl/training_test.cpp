@@ -34,7 +34,8 @@ TrainingOptions short_training(std::int64_t episodes) {
 }
 
 std::unique_ptr<Agent> make(const Environment& environment, AgentKind kind = AgentKind::kMpdqn) {
-  const AgentOptions options{.value_hidden = {16}, .actor_hidden = {16}, .td3 = {.twin = true, .smoothing = 0.1}};
+  const AgentOptions options{
+      .value_hidden = {16}, .actor_hidden = {16}, .passthrough_rate = 1e-3, .td3 = {.twin = true, .smoothing = 0.1}};
   return make_agent(kind, environment.space(), environment.observation_size(), options, Rng{0});
 }
 
