@@ -321,9 +321,7 @@ Certificate make_certificate(const RobotProblem& problem, const CertifyOptions& 
   }
 
   const double floor = options.fewer ? above_fewer(problem, *options.fewer) : -kInfinity;
-  // The proof needs a little room: of ten times the search's own, where the gap is not smaller.
-  const double room = std::min(0.1 * options.gap, 2e-6);
-  certify::BoundSearch search{problem, {.gap = options.gap - room, .recorded = true, .floor = floor}};
+  certify::BoundSearch search{problem, {.gap = options.gap, .recorded = true, .floor = floor}};
   Certificate certificate =
       options.fewer ? refuted_or_to_prove(search, floor, meter) : claim_of(problem, search, options.gap, meter);
   certificate.boxes = search.expanded();

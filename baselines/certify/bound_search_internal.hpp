@@ -51,8 +51,10 @@ class BoundSearch final : public Search {
     std::int64_t next_solve = 0;  // expansions after which to look for a design again
   };
 
-  // Points that are closed: what scores no more need not be looked at.
-  [[nodiscard]] double closing_score() const;
+  // What the best design scores and this share of the gap.
+  [[nodiscard]] double score_at(double share) const;
+  // Points that are closed: the search is over when nothing scores more.
+  [[nodiscard]] double closing_score() const { return score_at(1.0); }
   [[nodiscard]] double cut(const Sequence& sequence) const;
   [[nodiscard]] double score_bound(const Sequence& sequence) const;
   [[nodiscard]] double open_bound() const;
