@@ -42,19 +42,67 @@ struct Row {
   Changes changes;  ///< of preset `best`
 };
 
-// The exact gradient of reach error and mass moves the parameters, the critic only chooses the type; nothing is
-// polished, so the learning rate has to fall far for the last tenths of a millimetre.
-Changes raw(const std::string& episodes) {
-  return {{"polish", "0"},        {"model_gradient", "50"},    {"model_mass", "2"},         {"critic", "0"},
-          {"model_joints", "2"},  {"value_hidden", "64"},      {"actor_hidden", "256x128"}, {"updates_per_step", "6"},
-          {"episodes", episodes}, {"epsilon_episodes", "500"}, {"decay_from", "0.2"},       {"decay_to", "0.0005"}};
+// The policy's own proposal is the design, so it has to be right to the millimetre. Whitened inputs and a passthrough
+// that learns make what is linear in the observation exact: the distance from the axis at 0.5 m, where the hinge sits
+// when the first length rests at its bound. Past the bound (`bounds=zero`) that length may bend without showing it.
+Changes exact() {
+  return {
+      {"polish", "0"},         {"model_joints", "2"},         {"bounds", "zero"},        {"bound", "1.3"},
+      {"whiten", "1000"},      {"axis_heights", "0.5/1/1.5"}, {"leak", "0.1"},           {"passthrough_rate", "0.01"},
+      {"actor_rate", "0.003"}, {"actor_hidden", "64x32"},     {"value_hidden", "64"},    {"smoothing", "0.01"},
+      {"decay_from", "0.2"},   {"decay_to", "0.001"},         {"updates_per_step", "4"}, {"epsilon_episodes", "500"}};
+}
+
+Changes with(Changes changes, const Changes& more) {
+  changes.insert(changes.end(), more.begin(), more.end());
+  return changes;
+}
+
+// The actor follows the polish of its own proposals, the critic only chooses the type.
+Changes raw(const std::string& episodes, const std::string& actor_hidden) {
+  return with(exact(), {{"critic", "0"},
+                        {"model_gradient", "0"},
+                        {"model_mass", "0"},
+                        {"model_pull", "10"},
+                        {"model_taken", "true"},
+                        {"hindsight", "1"},
+                        {"episodes", episodes},
+                        {"actor_hidden", actor_hidden}});
+}
+
+// The polish knows nothing of obstacles: it only holds the proposal on the curve of designs that reach, along which the
+// critic moves it.
+Changes raw_among_obstacles() {
+  return with(exact(), {{"critic", "0.2"},
+                        {"model_gradient", "0"},
+                        {"model_mass", "0"},
+                        {"model_pull", "300"},
+                        {"pull_width", "0.003"},
+                        {"pull_mass", "false"},
+                        {"model_taken", "true"},
+                        {"bound", "1.05"},
+                        {"axis_heights", "0.5/0.75/1/1.25/1.5"},
+                        {"noise", "none"},
+                        {"epsilon_last", "0.2"},
+                        {"value_hidden", "128"},
+                        {"episodes", "10000"},
+                        {"updates_per_step", "3"},
+                        {"decay_from", "0.3"},
+                        {"decay_to", "0.003"}});
 }
 
 // No derivative of the model anywhere: relabelled placements show the critic where the goal is reached.
 Changes without_derivatives() {
-  return {{"polish", "0"},           {"model_gradient", "0"}, {"model_mass", "0"},         {"critic", "1"},
-          {"hindsight", "4"},        {"episodes", "14000"},   {"value_hidden", "256x256"}, {"actor_hidden", "256x256"},
-          {"updates_per_step", "2"}, {"decay_from", "0.3"},   {"decay_to", "0.003"}};
+  return with(exact(), {{"critic", "1"},
+                        {"model_gradient", "0"},
+                        {"model_mass", "0"},
+                        {"hindsight", "4"},
+                        {"episodes", "8000"},
+                        {"value_hidden", "256x256"},
+                        {"updates_per_step", "2"},
+                        {"epsilon_episodes", "1000"},
+                        {"decay_from", "0.3"},
+                        {"decay_to", "0.003"}});
 }
 
 std::vector<Row> rows() {
@@ -78,14 +126,17 @@ std::vector<Row> rows() {
        .problem = "seed/random_narrow",
        .what = "raw, no model derivative",
        .changes = without_derivatives()},
-      {.name = "narrow-raw", .problem = "seed/random_narrow", .what = "raw, model gradient", .changes = raw("20000")},
+      {.name = "narrow-raw",
+       .problem = "seed/random_narrow",
+       .what = "raw, model pull",
+       .changes = raw("8000", "64x32")},
       {.name = "narrow", .problem = "seed/random_narrow", .what = "one polished proposal", .changes = {}},
-      {.name = "wide-raw", .problem = "seed/random_wide", .what = "raw, model gradient", .changes = raw("20000")},
+      {.name = "wide-raw", .problem = "seed/random_wide", .what = "raw, model pull", .changes = raw("12000", "64x64")},
       {.name = "wide", .problem = "seed/random_wide", .what = "one polished proposal", .changes = {}},
       {.name = "obstacles-raw",
        .problem = "seed/random_obstacles",
-       .what = "raw, model gradient",
-       .changes = raw("20000")},
+       .what = "raw, model pull and critic",
+       .changes = raw_among_obstacles()},
       {.name = "obstacles", .problem = "seed/random_obstacles", .what = "one polished proposal", .changes = {}},
   };
 }
