@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 
 #include <cfenv>
+#include <modsearch/baselines/certificate.hpp>
+#include <modsearch/problem/files.hpp>
 #include <random>
 
 #include "naive_certificate.hpp"
@@ -19,6 +21,27 @@ Case fixed_target() {
   Json made = naive_certificate("seed/fixed", read_problem("seed/fixed", "", 0, 0), 341.93, 1);
   add_incumbent_of_seed_fixed(made);
   return {made, made["claim"]["lower"].get<double>()};
+}
+
+/// What the search writes: halved circles, parts cut off, obstacle rows.
+Case written_by_the_search(const std::string& id, std::uint64_t index, double gap) {
+  const modsearch::Instance instance{7, index};
+  const auto problem = modsearch::load_problem(id, instance);
+  modsearch::Meter meter;
+  const modsearch::Certificate made =
+      modsearch::make_certificate(*problem, {.gap = gap}, {id, instance, R"({"type":"algorithm1"})"}, meter);
+  return {Json::parse(made.json), made.lower.value()};
+}
+
+std::vector<Case> all_cases() {
+  std::vector<Case> cases{fixed_target(), written_by_the_search("seed/random_obstacles", 1, 1e-3),
+                          written_by_the_search("breakeven/two_goals", 1, 0.02)};
+  for (std::size_t i = 1; i < cases.size(); ++i) {
+    const std::string text = cases[i].certificate.dump();
+    EXPECT_THAT(text, testing::HasSubstr("[\"h\","));
+    EXPECT_THAT(text, testing::HasSubstr("[\"c\","));
+  }
+  return cases;
 }
 
 enum class Verdict { kAccepted, kRejected, kMalformed };
@@ -40,15 +63,15 @@ class Mutations {
  public:
   explicit Mutations(std::uint64_t seed) : bits_{seed} {}
 
-  /// Makes the claim false (or leaves a gap in its proof that nothing else can fill), in one of eight ways.
+  /// Makes the claim false (or leaves a gap in its proof that nothing else can fill), in one of nine ways.
   std::string false_claim(const Case& from) {
     Json c = from.certificate;
     const double size = std::exp2(-uniform(0.0, 20.0));
-    Json& sequence = c["sequences"][index(3)];
-    switch (index(8)) {
+    Json& sequence = c["sequences"][index(c["sequences"].size())];
+    switch (index(9)) {
       case 0:  // a bound below the score of a design that is achieved, with a gap to match or not
         c["claim"]["upper"] = from.best - size;
-        if (index(2) == 0) c["claim"]["gap"] = -size / (350.0 - from.best) * 1.0;
+        if (index(2) == 0) c["claim"]["gap"] = -size / mass_term(c);
         if (index(2) == 0) {
           c.erase("incumbent");
           c["claim"].erase("lower");
@@ -64,26 +87,46 @@ class Mutations {
         move(c["statement"]["library"][name[0]][name[1]][index(2)], size);
         break;
       }
-      case 3:
-        sequence["tree"].erase(index(sequence["tree"].size()));
-        break;
-      case 4:
-        c["sequences"].erase(index(3));
-        break;
-      case 5: {
-        Json& tree = c["sequences"][1]["tree"];
+      case 3: {  // a split or a leaf: without parts that are cut off, or with a whole circle, it may still be a proof
+        Json& tree = sequence["tree"];
         std::size_t node = index(tree.size());
-        while (tree[node][0] != "s") node = (node + 1) % tree.size();
-        tree[node][2] = hex(index(2) == 0 ? 4.0 + size : -4.0 - size);  // no variable gets there
+        while (tree[node][0] == "c" || tree[node][0] == "h") node = (node + 1) % tree.size();
+        tree.erase(node);
+        break;
+      }
+      case 4:
+        c["sequences"].erase(index(c["sequences"].size()));
+        break;
+      case 5: {  // no variable gets there
+        const std::string nowhere = hex(index(2) == 0 ? 4.0 + size : -4.0 - size);
+        std::vector<Json*> places;
+        for (Json& one : c["sequences"]) {
+          for (Json& node : one["tree"]) {
+            if (node[0] == "s") places.push_back(&node[2]);
+            if (node[0] != "c") continue;
+            for (std::size_t group = 1; group < node.size(); ++group) {
+              for (std::size_t part = 1; part < node[group].size(); ++part) places.push_back(&node[group][part][1]);
+            }
+          }
+        }
+        *places[index(places.size())] = nowhere;
         break;
       }
       case 6:
         if (index(2) == 0) {  // further than the tolerance, towards the outside
-          move(c["incumbent"]["design"][0]["parameters"]["distal"], 0.0021 + size);
+          move(c["incumbent"]["design"].back()["parameters"]["distal"], 0.0021 + size);
         } else {
           move(c["incumbent"]["postures"][0][index(2)], 0.01 + size);
         }
         break;
+      case 7: {  // half of a length, or half a circle in the middle of a tree
+        Json& tree = sequence["tree"];
+        const bool length = index(2) == 0;
+        const auto behind =
+            std::find_if(tree.begin(), tree.end(), [](const Json& n) { return n[0] != "h"; }) - tree.begin();
+        tree.insert(tree.begin() + (length ? 0 : behind + 1), Json({"h", length ? 0 : 2}));
+        break;
+      }
       default:
         c["claim"]["gap"] = c["claim"]["gap"].get<double>() * (1.0 - size) - 2e-9;
     }
@@ -150,6 +193,10 @@ class Mutations {
     return lower + (upper - lower) * static_cast<double>(bits_() >> 11) * 0x1p-53;
   }
   std::size_t index(std::size_t n) { return bits_() % n; }
+  static double mass_term(const Json& certificate) {
+    const Json& claim = certificate["claim"];
+    return (claim["upper"].get<double>() - claim["lower"].get<double>()) / claim["gap"].get<double>();
+  }
   void move(Json& number, double size) {
     const std::string text = number.get<std::string>();
     number = hex(std::strtod(text.c_str(), nullptr) + (index(2) == 0 ? size : -size));
@@ -159,12 +206,12 @@ class Mutations {
 };
 
 std::size_t accepted_false_claims(std::size_t n) {
-  const Case from = fixed_target();
-  EXPECT_EQ(verdict(from.certificate.dump()), Verdict::kAccepted);
+  const std::vector<Case> cases = all_cases();
+  for (const Case& from : cases) EXPECT_EQ(verdict(from.certificate.dump()), Verdict::kAccepted);
   Mutations mutations{11};
   std::size_t accepted = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const std::string text = mutations.false_claim(from);
+    const std::string text = mutations.false_claim(cases[i % cases.size()]);
     if (verdict(text) == Verdict::kRejected) continue;
     ++accepted;
     ADD_FAILURE() << "not rejected: " << text.substr(0, 2000);
@@ -174,9 +221,10 @@ std::size_t accepted_false_claims(std::size_t n) {
 
 /// Whatever is changed, a verdict is given, and what is accepted does not claim a bound below what a design scores.
 void change_anything(std::size_t n) {
-  const Case from = fixed_target();
+  const std::vector<Case> cases = all_cases();
   Mutations mutations{12};
   for (std::size_t i = 0; i < n; ++i) {
+    const Case& from = cases[i % cases.size()];
     const std::string text = mutations.arbitrary(from);
     if (verdict(text) != Verdict::kAccepted) continue;
     const Json claim = Json::parse(text)["claim"];
