@@ -122,12 +122,21 @@ class NodeBound {
   void pulls(const double* multipliers);
   [[nodiscard]] double constant(const double* multipliers, double* gradient) const;
   double second_order(const double* multipliers, Objective objective, double* gradient);
+  // Adds to that of the constant part, at the last value.
+  void second_order_gradient(const double* multipliers, double* gradient) const;
   double cap_order(const double* multipliers, Objective objective, double* gradient);
   void scatter(const Group& group, int term, const Eigen::Vector3d& g, double* gradient) const;
   [[nodiscard]] const Block& block_of(const Group& group, int term) const;
   [[nodiscard]] Eigen::Vector3d weight_of(const Group& group, int term, const double* multipliers) const;
   [[nodiscard]] double curvature(const Group& group, std::size_t corner, double* share) const;
-  [[nodiscard]] double form_at(const double* form, std::size_t corner) const;
+  // A form that is linear in the lengths, at a corner.
+  [[nodiscard]] double form_at(const double* form, std::size_t corner) const {
+    const auto stride = static_cast<std::size_t>(n_lengths_ + 1);
+    const double* z = &corners_[corner * stride];
+    double value = 0.0;
+    for (std::size_t i = 0; i < stride; ++i) value += form[i] * z[i];
+    return value;
+  }
 
   const SequenceModel& model_;
   const Scenery& scenery_;
