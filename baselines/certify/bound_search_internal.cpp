@@ -200,8 +200,10 @@ std::optional<SearchEnd> BoundSearch::step(Meter& meter) {
     }
     if (!best->tree->expand(cut(*best))) {
       // Perhaps because there is such a design.
-      look_for_design(*best, best->tree->middle(), false, meter);
-      if (meter.stopped()) return end(meter);
+      for (const bool weak : {false, true}) {
+        look_for_design(*best, best->tree->middle(), weak, meter);
+        if (meter.stopped()) return end(meter);
+      }
       if (score_bound(*best) <= closing_score()) continue;
       stuck_ = std::max(stuck_, score + 1e-6 * std::max(1.0, std::abs(score)));  // a proof has to get there again
       if (options_.recorded) best->given_up = std::move(best->tree);

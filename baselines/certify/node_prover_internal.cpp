@@ -233,7 +233,8 @@ double NodeProver::choose_split(const Box& box, const std::vector<double>& value
 // at the middle: the box is cut where it lets the body points move most.
 void NodeProver::split_for_rows(const Box& box, bool hopeless, Verdict& verdict) {
   constexpr double kSharp = 1e-4;  // points that move less [m] are as good as held
-  constexpr double kSmall = 5e-3;  // wider boxes are not given up [m], [rad]
+  // Wider boxes are not given up [m], [rad]: a design may still be found in them, or a row close them.
+  constexpr double kSmall = 5e-5;
   double most = kSharp;
   double widest = 0.0;
   for (int v = 0; v < box.size(); ++v) widest = std::max(widest, box.width(v));
