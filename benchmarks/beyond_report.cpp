@@ -129,7 +129,7 @@ std::vector<Row> rows() {
       {.name = "narrow-raw",
        .problem = "seed/random_narrow",
        .what = "raw, model pull",
-       .changes = raw("8000", "64x32")},
+       .changes = raw("12000", "64x32")},
       {.name = "narrow", .problem = "seed/random_narrow", .what = "one polished proposal", .changes = {}},
       {.name = "wide-raw", .problem = "seed/random_wide", .what = "raw, model pull", .changes = raw("12000", "64x64")},
       {.name = "wide", .problem = "seed/random_wide", .what = "one polished proposal", .changes = {}},
