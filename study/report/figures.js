@@ -88,6 +88,9 @@ function show_data_profile(report, figure) {
   });
 }
 
+// A policy that misses a target misses it again: where it meets it in fewer of its runs, restarts say nothing.
+const kCompared = 0.5;
+
 function show_amortisation(report, figure) {
   const {group, measure, target} = report.state();
   const points = group.breakEven[measure][target].filter((point) => is_number(point.tasks) && point.tasks >= 1);
@@ -108,6 +111,7 @@ function show_amortisation(report, figure) {
   const least = Math.min(...costs.filter(is_number));
   for (const point of points) {
     const trained = group.rows[point.trained], classical = group.rows[point.classical];
+    if (trained.success[target][0] < kCompared) continue;
     if (!visible.has(report.solver_of(trained)) || !visible.has(report.solver_of(classical))) continue;
     marks.push({x: point.tasks, y: classical[measure][target], colour: report.style(report.solver_of(trained)).colour,
                 // A name for the one that has to be beaten; all would not find room.

@@ -65,7 +65,8 @@ function finding() {
   let text = `${best.label} has the least regret: ${brief(best.regret[0])} ${span(best.regret, brief)}` +
       (equals.length ? `; the ${equals.length === 1 ? "interval of" : "intervals of"} ${equals.join(", ")} overlap${equals.length === 1 ? "s" : ""} it.` : ".");
   if (report.has_training) {
-    const points = group.breakEven[measure][target].filter((point) => is_number(point.tasks));
+    const points = group.breakEven[measure][target].filter(
+        (point) => is_number(point.tasks) && group.rows[point.trained].success[target][0] >= kCompared);
     const name = data.targets[target];
     if (!points.length) text += ` At the target “${name}” no training pays, after however many tasks.`;
     else {
