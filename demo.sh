@@ -17,7 +17,7 @@ install_packages "${product_packages[@]}"
 tests=OFF
 [[ -z $(missing_packages "${test_packages[@]}") ]] && tests=ON
 configure -DMODSEARCH_BUILD_TESTS=$tests
-compile modsearch modsearch_rl  # with the last floor, so that `cmake --install build` finds everything
+compile modsearch modsearch_rl modsearch-check  # all that `cmake --install build` and `check-certificate` need
 modsearch=$build/bin/modsearch
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 export LC_ALL=C  # a decimal point whatever the language

@@ -15,6 +15,12 @@
 namespace modsearch::app {
 namespace {
 
+// "1 box", "2 boxes".
+template <typename Number>
+std::string plural(Number n, const std::string& one, const std::string& many = {}) {
+  return fmt::format("{} {}", n, n == 1 ? one : many.empty() ? fmt::format("{}s", one) : many);
+}
+
 // The scoring as the problem's file has it: certificates repeat it.
 std::string scoring_text(const std::string& problem) {
   if (is_builtin(problem)) return R"({"type":"algorithm1"})";
@@ -27,7 +33,7 @@ std::string statement(const Certificate& certificate, const RobotProblem& proble
   const bool obstacles = problem.spec().level != Level::kNone && !problem.scene().obstacles().empty();
   const std::string reaches = obstacles ? "reaches free of obstacles" : "reaches";
   const int most = problem.max_modules() - 1;
-  const auto modules = [](int n) { return fmt::format("{} module{}", n, n == 1 ? "" : "s"); };
+  const auto modules = [](int n) { return plural(n, "module"); };
   if (arguments.fewer) {
     return fmt::format("no design that {} scores above {:.9g}: all of at most {} would", reaches, certificate.upper,
                        modules(*arguments.fewer));
@@ -63,13 +69,15 @@ Status certify(const CertifyArguments& arguments, const CommonArguments& common,
   const RobotProblem& problem = *chosen.problem;
   const std::filesystem::path folder = std::filesystem::absolute(arguments.out).parent_path();
   make_folder(folder);
-  const double seconds = arguments.seconds.value_or(std::numeric_limits<double>::infinity());
+  constexpr double kSeconds = 120.0;  // without --seconds: memory grows with the boxes that are open
+  const double seconds = arguments.seconds.value_or(kSeconds);
   Meter meter{{.evaluations = std::numeric_limits<std::int64_t>::max(), .seconds = seconds}, {}, stop};
   const Certificate certificate = make_certificate(
       problem, {.gap = arguments.gap, .fewer = arguments.fewer},
       {problem_reference(arguments.problem, folder), chosen.instance, scoring_text(arguments.problem)}, meter);
   if (!certificate.json.empty()) write_file(arguments.out, certificate.json);
 
+  const bool interrupted = meter.stopped() == StopReason::kInterrupted;
   const double taken = meter.progress().seconds;
   const bool proved = !certificate.json.empty();
   if (common.json) {
@@ -94,16 +102,18 @@ Status certify(const CertifyArguments& arguments, const CommonArguments& common,
       say("interval     [{:.9g}, {:.9g}], {:.3g} % of the mass\n", *certificate.lower, certificate.upper,
           100.0 * *certificate.gap);
     }
-    if (!certificate.open.empty()) say("open         {}\n", certificate.open);
+    if (!certificate.open.empty()) say("open         {}\n", interrupted ? "interrupted" : certificate.open);
     say("no part      {}\n", not_proved(problem));
-    say("search       {} boxes; {} leaves in {} type sequences, {:.3f} s\n", certificate.boxes, certificate.leaves,
-        certificate.sequences, taken);
+    say("search       {}; {} in {}, {:.3f} s\n", plural(certificate.boxes, "box", "boxes"),
+        plural(certificate.leaves, "leaf", "leaves"), plural(certificate.sequences, "type sequence"), taken);
     if (proved) {
       say("wrote        {} ({} bytes); to check it: modsearch check-certificate {}\n", arguments.out.string(),
           certificate.json.size(), shell_word(arguments.out.string()));
+    } else {
+      say("wrote        nothing\n");
     }
   }
-  if (meter.stopped() == StopReason::kInterrupted) return Status::kInterrupted;
+  if (interrupted) return Status::kInterrupted;
   return proved && certificate.closed ? Status::kSuccess : Status::kNegative;
 }
 
@@ -118,7 +128,8 @@ Status check_certificate(const CheckCertificateArguments& arguments, const Commo
   char* with_json[] = {name.data(), json.data(), file.data(), nullptr};
   char* without[] = {name.data(), file.data(), nullptr};
   ::execv(program.c_str(), common.json ? with_json : without);
-  throw std::runtime_error(fmt::format("{}: cannot be run: {}", program, std::strerror(errno)));
+  throw std::invalid_argument(fmt::format(
+      "check-certificate: {}, which has to stand beside modsearch, cannot be run: {}", program, std::strerror(errno)));
 }
 
 }  // namespace modsearch::app

@@ -45,7 +45,9 @@ Solution search(const ChosenSolver& chosen, const SolveArguments& arguments, con
   const auto* stepped = dynamic_cast<const SteppedSolver*>(chosen.solver.get());
   if (stepped == nullptr) {
     throw std::invalid_argument(
-        fmt::format("--checkpoint: the searches of solver '{}' cannot be kept in a file", chosen.name));
+        arguments.refine
+            ? std::string{"--checkpoint: a search with --refine cannot be kept in a file"}
+            : fmt::format("--checkpoint: the searches of solver '{}' cannot be kept in a file", chosen.name));
   }
   if (!arguments.resume && std::filesystem::exists(*arguments.checkpoint)) {
     throw std::invalid_argument(

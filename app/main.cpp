@@ -106,7 +106,8 @@ void describe(CLI::App& app, Arguments& a) {
           "path: ask for a collision-free path, whatever the problem's own level")
       ->check(CLI::IsMember({"path"}));
   solve.add_flag("--refine", a.solve.refine,
-                 "afterwards solve for the lengths of the modules that were found, from eight starts");
+                 "afterwards solve for the lengths of the modules that were found, from eight starts, with what is "
+                 "left of the budget");
   CLI::Option* checkpoint =
       solve.add_option("--checkpoint", a.solve.checkpoint, "FILE in which the search is kept while it runs");
   solve.add_flag("--resume", a.solve.resume, "go on from the checkpoint, if there is one")->needs(checkpoint);
@@ -186,8 +187,9 @@ void describe(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   certify
       .add_option_function<std::string>(
-          "--max-seconds", [&](const std::string& text) { a.certify.seconds = parse_seconds("--max-seconds", text); },
-          "at most this long [s]; what is proved until then is what the certificate says")
+          "--seconds,--max-seconds",
+          [&](const std::string& text) { a.certify.seconds = parse_seconds("--seconds", text); },
+          "at most this long [s] (default 120); what is proved until then is what the certificate says")
       ->type_name("S");
   certify
       .add_option_function<std::string>(

@@ -10,6 +10,7 @@
 #include <modsearch/study/targets.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <vector>
 
 namespace modsearch::app {
@@ -107,6 +108,25 @@ std::string cell(double number, int digits) {
   return std::isfinite(number) ? fmt::format("{:.{}f}", number, digits) : std::string{"-"};
 }
 
+// What the first failed cell of each solver had to say.
+std::string failed_text(const StudyRecord& record) {
+  std::string text;
+  std::set<std::string> told;
+  for (const CellRecord& cell : record.cells) {
+    if (cell.state != CellState::kFailed || !told.insert(cell.key.label).second) continue;
+    text += fmt::format("\nfailed       {} of {} on {}: {}", name(cell.key.kind), cell.key.label, cell.key.problem,
+                        cell.failure);
+  }
+  return text.empty() ? text : text + "\n";
+}
+
+std::string unfinished_text(const StudyRecord& record) {
+  const auto ended = std::count_if(record.cells.begin(), record.cells.end(),
+                                   [](const CellRecord& cell) { return cell.state != CellState::kStarted; });
+  if (ended >= record.study.n_cells) return "";
+  return fmt::format("\nunfinished   {} of {} cells are done; --resume goes on\n", ended, record.study.n_cells);
+}
+
 // "   not achieved: 2 torque, 1 unreachable"; nothing where all are.
 std::string failures_text(const Row& row) {
   std::string text;
@@ -164,7 +184,7 @@ std::string study_text(const StudyRecord& record) {
                           failures_text(row));
     }
   }
-  return text;
+  return text + failed_text(record) + unfinished_text(record);
 }
 
 }  // namespace modsearch::app

@@ -8,7 +8,8 @@ namespace modsearch {
 
 /// Another solver, and then the smooth program of the type sequence of its best design: the first chooses the modules,
 /// the second their lengths. With a learned policy in front it is the division of labour that hybrid agents learn,
-/// with the continuous half solved instead of learned.
+/// with the continuous half solved instead of learned. Both share one budget: a search that spends all of it leaves
+/// nothing for the program.
 class Refined final : public Solver {
  public:
   /// Throws std::invalid_argument without a solver, or for less than one start.

@@ -46,13 +46,22 @@ void check(const StudySolver& solver) {
   }
 }
 
+bool has_control_characters(const std::string& text) {
+  return std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+}
+
 void check(const Study& study) {
   if (study.name.empty()) refuse("it has no name");
   check_names(study.problems, "problem",
               [](const StudyProblem& problem) -> const std::string& { return problem.name; });
   check_names(study.solvers, "solver", [](const StudySolver& solver) -> const std::string& { return solver.label; });
   for (const StudyProblem& problem : study.problems) check(problem);
-  for (const StudySolver& solver : study.solvers) check(solver);
+  for (const StudySolver& solver : study.solvers) {
+    check(solver);
+    // Tables have a line per solver.
+    if (has_control_characters(solver.label))
+      refuse("a solver whose label has line breaks or other control characters");
+  }
   if (study.seeds.empty()) refuse("no seed (at least 1)");
   if (std::set<std::uint64_t>{study.seeds.begin(), study.seeds.end()}.size() != study.seeds.size()) {
     refuse("a seed occurs twice");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <modsearch/study/study_runs.hpp>
 #include <set>
 
@@ -142,17 +143,22 @@ std::optional<TrainingCost> training_cost(const StudyRecord& record, const Study
       if (!cell->key.training.empty()) ids.insert(cell->key.training);
     }
   }
-  TrainingCost out;
+  std::map<std::string, TrainingCost> by_family;
   for (const std::string& id : ids) {
     const CellRecord* training = record.find(id);
     if (training == nullptr || !training->outcome) continue;
-    out.evaluations += static_cast<double>(training->outcome->spent.evaluations);
-    out.seconds += training->outcome->spent.seconds;
-    ++out.trainings;
+    TrainingCost& sum = by_family[training->key.problem];
+    sum.evaluations += static_cast<double>(training->outcome->spent.evaluations);
+    sum.seconds += training->outcome->cpu_seconds;
+    ++sum.trainings;
   }
-  if (out.trainings == 0) return std::nullopt;
-  out.evaluations /= out.trainings;
-  out.seconds /= out.trainings;
+  if (by_family.empty()) return std::nullopt;
+  TrainingCost out;
+  for (const auto& [problem, sum] : by_family) {
+    out.evaluations += sum.evaluations / sum.trainings;
+    out.seconds += sum.seconds / sum.trainings;
+    out.trainings += sum.trainings;
+  }
   return out;
 }
 

@@ -62,13 +62,14 @@ struct StudyRuns {
 /// `problem`: its instances only; empty: those of all.
 [[nodiscard]] StudyRuns runs_of(const StudyRecord& record, std::string_view problem = {});
 
-/// What the policies behind a solver's runs cost to train, on average over those trainings; null for a solver that is
-/// not trained, or whose trainings are not done.
+/// What the policies behind a solver's runs cost to train: on average over the trainings on one family, summed over the
+/// families, for whoever has tasks of all of them needs a policy for each.
 struct TrainingCost {
   double evaluations = 0.0;
-  double seconds = 0.0;
-  int trainings = 0;
+  double seconds = 0.0;  ///< of CPU time: a training is long enough to share its core with others
+  int trainings = 0;     ///< how many there were
 };
+/// Null for a solver that is not trained, or whose trainings are not done.
 [[nodiscard]] std::optional<TrainingCost> training_cost(const StudyRecord& record, const StudyRuns& runs,
                                                         std::size_t solver);
 

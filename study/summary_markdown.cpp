@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -7,6 +8,7 @@
 #include <modsearch/study/summary.hpp>
 #include <modsearch/study/summary_markdown.hpp>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 namespace modsearch {
@@ -17,6 +19,16 @@ std::string number(double value) { return std::isfinite(value) ? fmt::format("{:
 // 1234, not 1.23e+03.
 std::string count(double value) {
   return std::isfinite(value) && value >= 100.0 ? fmt::format("{:.0f}", value) : number(value);
+}
+
+// A label as a cell of a table.
+std::string cell_text(std::string_view label) {
+  std::string text;
+  for (const char c : label) {
+    if (c == '|') text += '\\';
+    text += c;
+  }
+  return text;
 }
 
 std::string percent(const Proportion& share) { return fmt::format("{:.0f} %", 100.0 * share.value); }
@@ -33,7 +45,7 @@ std::vector<std::size_t> shown(const std::vector<Target>& targets) {
 }
 
 std::string row_text(const SummaryRow& row, const std::vector<std::size_t>& targets) {
-  std::string text = fmt::format("| {} | {} | {} [{}, {}] |", row.label, percent(row.achieved),
+  std::string text = fmt::format("| {} | {} | {} [{}, {}] |", cell_text(row.label), percent(row.achieved),
                                  number(row.regret.value), number(row.regret.low), number(row.regret.high));
   for (const std::size_t t : targets) {
     text += fmt::format(" {} | {} | {} |", percent(row.success[t]), count(row.evaluations[t]),
@@ -68,7 +80,7 @@ std::string pays(const Summary& summary, std::size_t trained, std::size_t target
     if (point.trained != trained || point.classical != *other) continue;
     const std::string tasks =
         std::isfinite(point.tasks) ? fmt::format("{:.0f} tasks", std::ceil(point.tasks)) : "never";
-    return fmt::format("{}, against {} ({})", tasks, row.label,
+    return fmt::format("{}, against {} ({})", tasks, cell_text(row.label),
                        measure == Measure::kSeconds ? duration_text(cost) : count(cost));
   }
   return "";
@@ -86,15 +98,15 @@ std::string break_even_text(const Summary& summary, std::vector<std::size_t> tar
   for (std::size_t r = 0; r < summary.rows.size(); ++r) {
     for (const std::size_t t : targets) {
       if (summary.rows[r].trained && summary.rows[r].success[t].value < 0.5) {
-        missed.push_back(fmt::format("{} ({}, {})", summary.rows[r].label, summary.targets[t].name(),
+        missed.push_back(fmt::format("{} ({}, {})", cell_text(summary.rows[r].label), summary.targets[t].name(),
                                      percent(summary.rows[r].success[t])));
         break;  // what follows includes it
       }
       const std::optional<AmortisedCost> evaluations = amortised_cost(summary.rows[r], t, Measure::kEvaluations);
       const std::optional<AmortisedCost> seconds = amortised_cost(summary.rows[r], t, Measure::kSeconds);
       if (!evaluations || !seconds) continue;
-      text += fmt::format("| {} | {} | {} | {} | {} | {} |", summary.rows[r].label, summary.targets[t].name(),
-                          percent(summary.rows[r].success[t]), count(evaluations->use),
+      text += fmt::format("| {} | {} | {} | {} | {} | {} |", cell_text(summary.rows[r].label),
+                          summary.targets[t].name(), percent(summary.rows[r].success[t]), count(evaluations->use),
                           pays(summary, r, t, Measure::kEvaluations), pays(summary, r, t, Measure::kSeconds));
       for (const int tasks : kTasks) text += fmt::format(" {} |", duration_text(seconds->per_task(tasks)));
       text += "\n";
@@ -126,6 +138,11 @@ std::string reference_text(const Summary& summary) {
 
 std::string summary_markdown(const StudyRecord& record) {
   std::string text;
+  const auto ended = std::count_if(record.cells.begin(), record.cells.end(),
+                                   [](const CellRecord& cell) { return cell.state != CellState::kStarted; });
+  if (ended < record.study.n_cells) {
+    text += fmt::format("Unfinished: {} of {} cells are done.\n\n", ended, record.study.n_cells);
+  }
   for (const ProblemFacts& problem : record.study.problems) {
     const StudyRuns runs = runs_of(record, problem.name);
     const Summary summary = summarise(record, runs, Rng{0});

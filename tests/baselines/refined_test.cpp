@@ -57,6 +57,7 @@ TEST(Refined, EndsWithTheBudgetOfTheFirst) {
   const Solution solution = Refined{std::make_shared<OneDesign>(long_hinge(*problem))}.solve(*problem, meter, Rng{0});
   EXPECT_EQ(solution.spent.evaluations, 1);
   EXPECT_EQ(solution.stop, StopReason::kEvaluations);
+  EXPECT_EQ(solution.reason, "one design; nothing of the budget is left to solve its sequence");
 }
 
 TEST(Refined, RefusesWhatCannotBe) {

@@ -83,5 +83,34 @@ TEST(TrainingCost, IsThatOfTheTrainingsBehindTheRuns) {
   EXPECT_EQ(cost->trainings, 1);
 }
 
+TEST(TrainingCost, IsAveragedOverSeedsAndSummedOverFamilies) {
+  StudyRecord record = synthetic_study({.instances = 2, .seeds = 2});
+  // Two more trainings: one on the same family, and one on another that the first run of the agent uses.
+  const auto training = std::find_if(record.cells.begin(), record.cells.end(),
+                                     [](const CellRecord& cell) { return cell.key.kind == CellKind::kTraining; });
+  CellRecord again = *training, other = *training;
+  again.id = "again";
+  again.outcome->cpu_seconds = 60.0;
+  other.id = "other";
+  other.key.problem = "another family";
+  other.outcome->cpu_seconds = 7.0;
+  other.outcome->spent.evaluations = 100;
+  int seen = 0;
+  for (CellRecord& cell : record.cells) {
+    if (cell.key.training.empty()) continue;
+    if (seen == 0) cell.key.training = "again";
+    if (seen == 1) cell.key.training = "other";
+    ++seen;
+  }
+  ASSERT_GT(seen, 2);
+  record.cells.push_back(again);
+  record.cells.push_back(other);
+  const std::optional<TrainingCost> cost = training_cost(record, runs_of(record), 2);
+  ASSERT_TRUE(cost);
+  EXPECT_EQ(cost->seconds, 50.0 + 7.0);
+  EXPECT_EQ(cost->evaluations, 20'000.0 + 100.0);
+  EXPECT_EQ(cost->trainings, 3);
+}
+
 }  // namespace
 }  // namespace modsearch

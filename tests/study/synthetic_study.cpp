@@ -92,7 +92,8 @@ StudyRecord synthetic_study(const SyntheticOptions& options) {
   CellRecord& training = add(key_of(CellKind::kTraining, "seed/random_narrow", "agent"));
   training.state = CellState::kDone;
   training.outcome.emplace().spent.evaluations = 20'000;
-  training.outcome->spent.seconds = 40.0;
+  training.outcome->spent.seconds = 60.0;
+  training.outcome->cpu_seconds = 40.0;
   const std::string trained = training.id;
   for (const char* problem : {"seed/random_narrow", "seed/random_wide"}) {
     ProblemFacts& facts = out.study.problems.emplace_back();
