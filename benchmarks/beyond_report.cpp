@@ -73,7 +73,7 @@ Changes raw(const std::string& episodes, const std::string& actor_hidden) {
 // The polish knows nothing of obstacles: it only holds the proposal on the curve of designs that reach, along which the
 // critic moves it.
 Changes raw_among_obstacles() {
-  return with(exact(), {{"critic", "0.2"},
+  return with(exact(), {{"critic", "0.3"},
                         {"model_gradient", "0"},
                         {"model_mass", "0"},
                         {"model_pull", "300"},
@@ -85,10 +85,10 @@ Changes raw_among_obstacles() {
                         {"noise", "none"},
                         {"epsilon_last", "0.2"},
                         {"value_hidden", "128"},
-                        {"episodes", "10000"},
+                        {"actor_hidden", "64x64"},
+                        {"episodes", "22000"},
                         {"updates_per_step", "3"},
-                        {"decay_from", "0.3"},
-                        {"decay_to", "0.003"}});
+                        {"decay_to", "0.002"}});
 }
 
 // No derivative of the model anywhere: relabelled placements show the critic where the goal is reached.
