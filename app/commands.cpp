@@ -59,6 +59,30 @@ Solution search(const ChosenSolver& chosen, const SolveArguments& arguments, con
                            .identity = fmt::format("{}, seed {}", arguments.solver, arguments.seed)});
 }
 
+// What other presets set otherwise, by the kind of problem.
+std::string presets_text(const LearnerSettings& defaults) {
+  struct Case {
+    const char* what;
+    Preset preset;
+    ProblemTraits traits;
+  };
+  const Case cases[] = {{"report-code", Preset::kReportCode, {}},
+                        {"best, one target", Preset::kBest, {}},
+                        {"best, drawn targets", Preset::kBest, {.sampled = true}},
+                        {"best, drawn targets among obstacles", Preset::kBest, {.sampled = true, .obstacles = true}}};
+  std::string text;
+  for (const Case& each : cases) {
+    const LearnerSettings settings = settings_of(AgentKind::kMpdqn, each.preset, each.traits);
+    std::vector<std::string> changes;
+    for (const Setting& setting : setting_table()) {
+      const std::string value = setting.get(settings);
+      if (value != setting.get(defaults)) changes.push_back(fmt::format("{}={}", setting.key, value));
+    }
+    text += fmt::format("what preset={} sets otherwise\n    {}\n", each.what, fmt::join(changes, " "));
+  }
+  return text;
+}
+
 }  // namespace
 
 Status solve(const SolveArguments& arguments, const CommonArguments& common, std::stop_token stop) {
@@ -292,6 +316,15 @@ Status list(const ListArguments& arguments, const CommonArguments& common) {
       }
       json.push_back({{"name", entry.name}, {"meaning", entry.meaning}, {"options", std::move(options)}});
     }
+    constexpr const char* kPolicy = "a trained agent, from the policy.json that `modsearch train` leaves";
+    text += fmt::format("{:<18}{}\n", "policy:FILE", kPolicy);
+    json.push_back({{"name", "policy:FILE"}, {"meaning", kPolicy}, {"options", nlohmann::ordered_json::array()}});
+  } else if (arguments.what == "libraries") {
+    for (const std::string& id : builtin_libraries()) {
+      const std::shared_ptr<const ModuleLibrary> library = load_library(id);
+      text += fmt::format("{:<12}{} module types\n", id, library->n_types());
+      json.push_back({{"id", id}, {"types", library->n_types()}});
+    }
   } else if (arguments.what == "problems") {
     for (const std::string& id : builtin_problems()) {
       const ProblemFile file = load_problem_file(id);
@@ -331,6 +364,7 @@ Status list(const ListArguments& arguments, const CommonArguments& common) {
       json.push_back({{"name", name(kind)}, {"meaning", meaning(kind)}, {"options", options}});
     }
     text += "options of all agents, with their defaults for mpdqn:preset=report\n" + option_text;
+    text += presets_text(defaults);
   }
   if (common.json) {
     print(json);

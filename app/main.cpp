@@ -206,9 +206,9 @@ void describe(CLI::App& app, Arguments& a) {
   add_common(check, a.common, "modsearch check-certificate out/certificate.json");
 
   CLI::App& list = *app.add_subcommand("list", "what there is, with options and defaults");
-  list.add_option("WHAT", a.list.what, "solvers, agents, problems or studies")
+  list.add_option("WHAT", a.list.what, "solvers, agents, problems, libraries or studies")
       ->required()
-      ->check(CLI::IsMember({"solvers", "agents", "problems", "studies"}));
+      ->check(CLI::IsMember({"solvers", "agents", "problems", "libraries", "studies"}));
   add_common(list, a.common, "modsearch list solvers");
 }
 

@@ -37,11 +37,14 @@ std::ptrdiff_t line_of(std::string_view text, std::size_t byte) {
 
 std::string read_file(const std::string& path) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) throw Malformed(path + ": there is no such file");
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw Malformed(path + ": there is no such file");
+  if (!std::filesystem::is_regular_file(status)) throw Malformed(path + ": is not a regular file");
   if (std::filesystem::file_size(path, error) > kLargestFile) throw Malformed(path + ": is larger than 512 MiB");
   std::ifstream stream{path, std::ios::binary};
   std::string text{std::istreambuf_iterator<char>{stream}, {}};
   if (!stream) throw Malformed(path + ": cannot be read");
+  if (text.empty()) throw Malformed(path + ": is empty");
   return text;
 }
 

@@ -76,7 +76,8 @@ int main(int argc, char** argv) {
   if (file.empty()) return report("bad usage", "the certificate to check is missing (see --help)", json, 2);
   try {
     const modsearch_check::Proof proof = modsearch_check::check_certificate(file);
-    std::cout << (json ? as_json(proof).dump(2) + "\n" : modsearch_check::in_words(proof));
+    std::cout << (json ? as_json(proof).dump(2) + "\n" : modsearch_check::in_words(proof)) << std::flush;
+    if (!std::cout) return report("failed", "the answer cannot be written", json, 2);
     return 0;
   } catch (const modsearch_check::Rejected& reason) {
     return report("rejected", reason.what(), json, 1);

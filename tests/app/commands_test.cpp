@@ -421,6 +421,14 @@ TEST(List, ShowsSolversWithOptionsAndProblems) {
   EXPECT_THAT(ids, ::testing::IsSupersetOf({"breakeven/clutter_path", "seed/fixed", "seed/random_wide"}));
 }
 
+TEST(ListCommand, NamesLibrariesPoliciesAndWhatPresetsSet) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(modsearch({"list", "libraries"}, folder).out, HasSubstr("workshop"));
+  EXPECT_THAT(modsearch({"list", "solvers"}, folder).out, HasSubstr("policy:FILE"));
+  const std::string agents = modsearch({"list", "agents"}, folder).out;
+  EXPECT_THAT(agents, ::testing::ContainsRegex("what preset=best, drawn targets sets otherwise\n    .*polish="));
+}
+
 TEST(BadUsage, EndsWithTwoAndOneSentence) {
   const TemporaryFolder folder;
   write(folder / "broken.json", "{\"modsearch\": 1,");

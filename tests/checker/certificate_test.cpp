@@ -145,7 +145,7 @@ TEST(Certificate, ThatCannotBeReadIsRefusedInOneSentence) {
     return json.dump();
   };
   const std::vector<Unreadable> cases = {
-      {"is not JSON", ""},
+      {"is empty", ""},
       {"is not JSON", good.substr(0, good.size() / 2)},
       {"is not JSON", good + "x"},
       {"is not JSON", "{\"modsearch\": NaN}"},
