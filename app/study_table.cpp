@@ -121,10 +121,9 @@ std::string failed_text(const StudyRecord& record) {
 }
 
 std::string unfinished_text(const StudyRecord& record) {
-  const auto ended = std::count_if(record.cells.begin(), record.cells.end(),
-                                   [](const CellRecord& cell) { return cell.state != CellState::kStarted; });
-  if (ended >= record.study.n_cells) return "";
-  return fmt::format("\nunfinished   {} of {} cells are done; --resume goes on\n", ended, record.study.n_cells);
+  if (record.n_ended() >= record.study.n_cells) return "";
+  return fmt::format("\nunfinished   {} of {} cells are done; --resume goes on\n", record.n_ended(),
+                     record.study.n_cells);
 }
 
 // "   not achieved: 2 torque, 1 unreachable"; nothing where all are.

@@ -22,19 +22,19 @@ SearchEnd Refined::do_solve(const DesignProblem& problem, Meter& meter, Rng rng)
                 .reason = std::move(found.reason),
                 .bound = std::move(found.bound),
                 .tallies = std::move(found.tallies)};
+  const auto add = [&](const std::string& what) { end.reason += (end.reason.empty() ? "" : "; ") + what; };
   const bool proved = end.stop == StopReason::kOptimal || end.stop == StopReason::kUnreachable;
   const std::vector<int> types = found.design.types();
   if (proved || types.empty()) return end;
   if (meter.stopped()) {
-    end.reason += std::string{end.reason.empty() ? "" : "; "} + "nothing of the budget is left to solve its sequence";
+    add("nothing of the budget is left to solve its sequence");
     return end;
   }
   const SequenceOutcome outcome =
       optimise_sequence(problem, types, problem.optimism(types).score, options_, meter, rng.fork("refinement"));
-  const std::string what = !outcome.failure.empty() ? outcome.failure
-                           : outcome.has_program    ? fmt::format("its sequence solved from {} starts", options_.starts)
-                                                    : "its sequence has no smooth program";
-  end.reason += std::string{end.reason.empty() ? "" : "; "} + what;
+  add(!outcome.failure.empty() ? outcome.failure
+      : outcome.has_program    ? fmt::format("its sequence solved from {} starts", options_.starts)
+                               : "its sequence has no smooth program");
   return end;
 }
 

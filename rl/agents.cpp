@@ -40,8 +40,8 @@ void check(const AgentOptions& options) {
   positive("learning rate of the actor", options.actor_rate);
   positive("width of the model gradient", options.model.width);
   positive("width of the pull", options.model.pull_width);
-  positive("aim of the pull", options.model.pull_aim);
-  share("aim of the pull", options.model.pull_aim);
+  require(options.model.pull_aim > 0.0 && options.model.pull_aim <= 1.0, "aim of the pull", options.model.pull_aim,
+          "(0, 1]");
   require(options.model.pull_steps >= 1, "steps of the pull's polish", options.model.pull_steps, "[1, ..)");
   require(options.bound >= 1.0, "bound of the parameters' gradients", options.bound, "[1, inf)");
   require(options.td3.delay >= 1, "updates of the values per update of the actor", options.td3.delay, "[1, ..)");

@@ -134,10 +134,14 @@ Summary summarise(const StudyRecord& record, const StudyRuns& runs, Rng rng, Boo
   return out;
 }
 
+double expected_runtime(const SummaryRow& row, std::size_t target, Measure measure) {
+  return measure == Measure::kEvaluations ? row.evaluations[target] : row.seconds[target];
+}
+
 std::optional<AmortisedCost> amortised_cost(const SummaryRow& row, std::size_t target, Measure measure) {
   if (!row.training) return std::nullopt;
-  return measure == Measure::kEvaluations ? AmortisedCost{row.training->evaluations, row.evaluations[target]}
-                                          : AmortisedCost{row.training->seconds, row.seconds[target]};
+  return AmortisedCost{measure == Measure::kEvaluations ? row.training->evaluations : row.training->seconds,
+                       expected_runtime(row, target, measure)};
 }
 
 std::vector<BreakEven> break_evens(const Summary& summary, std::size_t target, Measure measure) {
@@ -147,8 +151,7 @@ std::vector<BreakEven> break_evens(const Summary& summary, std::size_t target, M
     if (!cost) continue;
     for (std::size_t c = 0; c < summary.rows.size(); ++c) {
       if (summary.rows[c].trained) continue;
-      const SummaryRow& row = summary.rows[c];
-      const double classical = measure == Measure::kEvaluations ? row.evaluations[target] : row.seconds[target];
+      const double classical = expected_runtime(summary.rows[c], target, measure);
       out.push_back({.trained = t, .classical = c, .tasks = break_even_tasks(*cost, classical)});
     }
   }
@@ -158,7 +161,7 @@ std::vector<BreakEven> break_evens(const Summary& summary, std::size_t target, M
 std::size_t telling_target(const Summary& summary) {
   const auto met = [&](std::size_t target, bool trained) {
     return std::any_of(summary.rows.begin(), summary.rows.end(), [&](const SummaryRow& row) {
-      return row.trained == trained && row.success[target].value >= 0.5;
+      return row.trained == trained && row.success[target].value >= kComparable;
     });
   };
   for (std::size_t t = summary.targets.size(); t-- > 0;) {

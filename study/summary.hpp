@@ -58,6 +58,9 @@ struct Summary {
 [[nodiscard]] Summary summarise(const StudyRecord& record, const StudyRuns& runs, Rng rng,
                                 BootstrapOptions options = {});
 
+/// Of a row, to target number `target`; infinite where no run meets it.
+[[nodiscard]] double expected_runtime(const SummaryRow& row, std::size_t target, Measure measure);
+
 /// Cost of a solver at target number `target` in the measure given; nothing for one that was not trained.
 [[nodiscard]] std::optional<AmortisedCost> amortised_cost(const SummaryRow& row, std::size_t target, Measure measure);
 
@@ -65,9 +68,12 @@ struct Summary {
 /// runs that miss it: that is what "at equal quality" means here.
 [[nodiscard]] std::vector<BreakEven> break_evens(const Summary& summary, std::size_t target, Measure measure);
 
-/// Where a comparison of costs says most: the hardest target that some trained and some other solver meet in at least
-/// half of their runs, else the hardest that any solver so meets; 0 if there is none. With fewer successes an expected
-/// runtime speaks of restarts that the same policy on the same task does not profit from.
+/// The share of runs that have to meet a target for a comparison of costs to say something about a policy: an expected
+/// runtime speaks of restarts, and a policy that misses a task misses it again.
+constexpr double kComparable = 0.5;
+
+/// Where a comparison of costs says most: the hardest target that some trained and some other solver meet in a
+/// share kComparable of their runs, else the hardest that any solver so meets; 0 if there is none.
 [[nodiscard]] std::size_t telling_target(const Summary& summary);
 
 }  // namespace modsearch

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -61,9 +60,8 @@ std::optional<std::size_t> cheapest(const Summary& summary, std::size_t target, 
   std::optional<std::size_t> best;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t r = 0; r < summary.rows.size(); ++r) {
-    const SummaryRow& row = summary.rows[r];
-    const double cost = measure == Measure::kEvaluations ? row.evaluations[target] : row.seconds[target];
-    if (row.trained || !(cost < least)) continue;
+    const double cost = expected_runtime(summary.rows[r], target, measure);
+    if (summary.rows[r].trained || !(cost < least)) continue;
     least = cost;
     best = r;
   }
@@ -71,19 +69,15 @@ std::optional<std::size_t> cheapest(const Summary& summary, std::size_t target, 
 }
 
 // "24 tasks, against ga (59)": from which on the trained solver costs less than the cheapest other one.
-std::string pays(const Summary& summary, std::size_t trained, std::size_t target, Measure measure) {
+std::string pays(const Summary& summary, const AmortisedCost& trained, std::size_t target, Measure measure) {
   const std::optional<std::size_t> other = cheapest(summary, target, measure);
   if (!other) return "nothing else meets it";
   const SummaryRow& row = summary.rows[*other];
-  const double cost = measure == Measure::kEvaluations ? row.evaluations[target] : row.seconds[target];
-  for (const BreakEven& point : break_evens(summary, target, measure)) {
-    if (point.trained != trained || point.classical != *other) continue;
-    const std::string tasks =
-        std::isfinite(point.tasks) ? fmt::format("{:.0f} tasks", std::ceil(point.tasks)) : "never";
-    return fmt::format("{}, against {} ({})", tasks, cell_text(row.label),
-                       measure == Measure::kSeconds ? duration_text(cost) : count(cost));
-  }
-  return "";
+  const double cost = expected_runtime(row, target, measure);
+  const double tasks = break_even_tasks(trained, cost);
+  return fmt::format("{}, against {} ({})",
+                     std::isfinite(tasks) ? fmt::format("{:.0f} tasks", std::ceil(tasks)) : "never",
+                     cell_text(row.label), measure == Measure::kSeconds ? duration_text(cost) : count(cost));
 }
 
 // Where learning begins to pay, for each trained solver at the least number of modules and at each target shown that it
@@ -97,7 +91,7 @@ std::string break_even_text(const Summary& summary, std::vector<std::size_t> tar
   std::vector<std::string> missed;
   for (std::size_t r = 0; r < summary.rows.size(); ++r) {
     for (const std::size_t t : targets) {
-      if (summary.rows[r].trained && summary.rows[r].success[t].value < 0.5) {
+      if (summary.rows[r].trained && summary.rows[r].success[t].value < kComparable) {
         missed.push_back(fmt::format("{} ({}, {})", cell_text(summary.rows[r].label), summary.targets[t].name(),
                                      percent(summary.rows[r].success[t])));
         break;  // what follows includes it
@@ -107,7 +101,8 @@ std::string break_even_text(const Summary& summary, std::vector<std::size_t> tar
       if (!evaluations || !seconds) continue;
       text += fmt::format("| {} | {} | {} | {} | {} | {} |", cell_text(summary.rows[r].label),
                           summary.targets[t].name(), percent(summary.rows[r].success[t]), count(evaluations->use),
-                          pays(summary, r, t, Measure::kEvaluations), pays(summary, r, t, Measure::kSeconds));
+                          pays(summary, *evaluations, t, Measure::kEvaluations),
+                          pays(summary, *seconds, t, Measure::kSeconds));
       for (const int tasks : kTasks) text += fmt::format(" {} |", duration_text(seconds->per_task(tasks)));
       text += "\n";
     }
@@ -138,10 +133,8 @@ std::string reference_text(const Summary& summary) {
 
 std::string summary_markdown(const StudyRecord& record) {
   std::string text;
-  const auto ended = std::count_if(record.cells.begin(), record.cells.end(),
-                                   [](const CellRecord& cell) { return cell.state != CellState::kStarted; });
-  if (ended < record.study.n_cells) {
-    text += fmt::format("Unfinished: {} of {} cells are done.\n\n", ended, record.study.n_cells);
+  if (record.n_ended() < record.study.n_cells) {
+    text += fmt::format("Unfinished: {} of {} cells are done.\n\n", record.n_ended(), record.study.n_cells);
   }
   for (const ProblemFacts& problem : record.study.problems) {
     const StudyRuns runs = runs_of(record, problem.name);
