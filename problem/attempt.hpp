@@ -40,6 +40,15 @@ enum class Failure {
 [[nodiscard]] std::string_view name(Failure failure);
 inline constexpr std::size_t kFailures = static_cast<std::size_t>(Failure::kThrew) + 1;  ///< how many there are
 
+/// Postures that somebody found for the goals of a task. An evaluation tries them before any of its own: they are
+/// checked like those, can turn a miss into a reach and never the other way round, and become the attempt's `postures`
+/// where the design is achieved with them (PROBLEM 3).
+struct Witness {
+  Eigen::MatrixXd postures;  ///< [n_goals x n_joints], rad or m; empty: none. Of another size: not looked at
+
+  [[nodiscard]] bool empty() const { return postures.size() == 0; }
+};
+
 /// What came of trying to fulfil a task with an arm.
 struct Attempt {
   bool reached = false;                 ///< all goals' poses, whatever collides

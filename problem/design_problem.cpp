@@ -10,17 +10,29 @@ std::vector<int> DesignProblem::successors(std::span<const int> types) const {
   return do_successors(types);
 }
 
-Evaluation DesignProblem::evaluate(const Design& design, Fidelity fidelity) const {
+Evaluation DesignProblem::evaluate(const Design& design, Fidelity fidelity, const Witness& witness) const {
   if (static_cast<int>(design.modules.size()) + 1 > max_modules()) {
     throw std::invalid_argument(fmt::format("the design has {} modules with the base, at most {} are allowed",
                                             design.modules.size() + 1, max_modules()));
   }
   check(library(), design);
   try {
-    return do_evaluate(design, fidelity);
+    if (witness.empty()) return do_evaluate(design, fidelity);
+    Evaluation with = do_evaluate_with(design, fidelity, witness);
+    if (with.attempt.achieved) return with;
+    Evaluation without = do_evaluate(design, fidelity);
+    const Work work = with.attempt.work;
+    Evaluation& better = with.better_than(without) ? with : without;
+    better.attempt.work = without.attempt.work;
+    better.attempt.work += work;
+    return std::move(better);
   } catch (const std::exception& error) {
     throw EvaluationError(error.what());
   }
+}
+
+Evaluation DesignProblem::do_evaluate_with(const Design& design, Fidelity fidelity, const Witness&) const {
+  return do_evaluate(design, fidelity);
 }
 
 std::vector<Fidelity> DesignProblem::stages() const {

@@ -75,7 +75,10 @@ class DesignProblem {
   /// Score and terms of `design`; the empty design is allowed.
   /// Throws std::invalid_argument (module, parameter, value, limit) for a design outside the search space,
   /// EvaluationError for whatever std::exception do_evaluate ends with.
-  [[nodiscard]] Evaluation evaluate(const Design& design, Fidelity fidelity = Fidelity::kFull) const;
+  /// `witness`: postures to try first. What is achieved with them is the answer; otherwise the better of that attempt
+  /// and the one without them. The same arguments give the same evaluation.
+  [[nodiscard]] Evaluation evaluate(const Design& design, Fidelity fidelity = Fidelity::kFull,
+                                    const Witness& witness = {}) const;
 
   /// The smooth relaxation for a fixed type sequence, or null where there is none.
   [[nodiscard]] virtual std::unique_ptr<SmoothProgram> relax(std::span<const int> types,
@@ -90,6 +93,10 @@ class DesignProblem {
  private:
   [[nodiscard]] virtual std::vector<int> do_successors(std::span<const int> types) const;
   [[nodiscard]] virtual Evaluation do_evaluate(const Design& design, Fidelity fidelity) const = 0;
+  /// The attempt with the postures of `witness` and no others; by default there are no postures to speak of, and it is
+  /// do_evaluate.
+  [[nodiscard]] virtual Evaluation do_evaluate_with(const Design& design, Fidelity fidelity,
+                                                    const Witness& witness) const;
 };
 
 }  // namespace modsearch

@@ -133,6 +133,10 @@ std::shared_ptr<const Chain> RobotProblem::chain(std::span<const int> types) con
 std::vector<int> RobotProblem::do_successors(std::span<const int> types) const { return library().successors(types); }
 
 Evaluation RobotProblem::do_evaluate(const Design& design, Fidelity fidelity) const {
+  return do_evaluate_with(design, fidelity, {});
+}
+
+Evaluation RobotProblem::do_evaluate_with(const Design& design, Fidelity fidelity, const Witness& witness) const {
   const std::vector<int> types = design.types();
   const std::shared_ptr<const Chain> chain_of_types = chain(types);
   const Arm arm = chain_of_types->at(design.parameters());
@@ -142,7 +146,8 @@ Evaluation RobotProblem::do_evaluate(const Design& design, Fidelity fidelity) co
                          .planner = spec_.planner,
                          .follow = {},
                          .p_WB = base_pose(design).translation(),
-                         .time_step = spec_.time_step};
+                         .time_step = spec_.time_step,
+                         .witness = witness};
   if (fidelity == Fidelity::kScreen && options.level == Level::kPath) options.level = Level::kPostureSelf;
   if (fidelity == Fidelity::kPoses) options.level = Level::kNone;
 

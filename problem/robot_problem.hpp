@@ -69,6 +69,8 @@ class RobotProblem final : public DesignProblem {
  private:
   [[nodiscard]] std::vector<int> do_successors(std::span<const int> types) const override;
   [[nodiscard]] Evaluation do_evaluate(const Design& design, Fidelity fidelity) const override;
+  [[nodiscard]] Evaluation do_evaluate_with(const Design& design, Fidelity fidelity,
+                                            const Witness& witness) const override;
 
   [[nodiscard]] double farthest_goal() const;
   [[nodiscard]] Optimism judged(const ReachBound& bound, int n, double least_cost) const;

@@ -24,6 +24,7 @@ struct AttemptOptions {
   FollowOptions follow{};
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();  ///< position of the base, for the relative error
   double time_step = 0.01;                         ///< motions take whole steps, where a task has times [s]
+  Witness witness{};  ///< the postures to look at, in place of inverse kinematics; empty: none
 };
 
 /// What the arm bears while it stands still, and whether its joints have to be strong enough for it.

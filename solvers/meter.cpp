@@ -11,7 +11,7 @@ namespace {
 
 // The score of `design`, or the worst there is where the problem fails; then `what` says what it had to say.
 // NaN compares false with everything: left alone, it would be neither better nor worse than any other score.
-Evaluation evaluated(const DesignProblem& problem, const Design& design, Fidelity fidelity,
+Evaluation evaluated(const DesignProblem& problem, const Design& design, Fidelity fidelity, const Witness& witness,
                      std::optional<std::string>& what) {
   const auto refuse = [&](Evaluation& evaluation, Failure why, const char* words) {
     evaluation.score = -std::numeric_limits<double>::infinity();
@@ -20,7 +20,7 @@ Evaluation evaluated(const DesignProblem& problem, const Design& design, Fidelit
     what = words;
   };
   try {
-    Evaluation evaluation = problem.evaluate(design, fidelity);
+    Evaluation evaluation = problem.evaluate(design, fidelity, witness);
     if (std::isnan(evaluation.score)) refuse(evaluation, Failure::kNotANumber, "the score is not a number");
     return evaluation;
   } catch (const EvaluationError& error) {
@@ -62,11 +62,12 @@ Meter::Meter(Budget budget, Observer observer, std::stop_token stop)
   }
 }
 
-std::optional<Evaluation> Meter::evaluate(const DesignProblem& problem, const Design& design, Fidelity fidelity) {
+std::optional<Evaluation> Meter::evaluate(const DesignProblem& problem, const Design& design, Fidelity fidelity,
+                                          const Witness& witness) {
   if (stopped()) return std::nullopt;
   ++progress_.evaluations;  // before the call: an evaluation that throws was paid for too
   std::optional<std::string> failure;
-  const Evaluation evaluation = evaluated(problem, design, fidelity, failure);
+  const Evaluation evaluation = evaluated(problem, design, fidelity, witness, failure);
   if (failure && progress_.failed++ == 0) first_failure_ = *failure;
   const Failure why = evaluation.attempt.achieved ? Failure::kNone : evaluation.attempt.why;
   ++progress_.outcomes[static_cast<std::size_t>(why)];
@@ -77,6 +78,11 @@ std::optional<Evaluation> Meter::evaluate(const DesignProblem& problem, const De
   }
   if (observer_) observer_(*this);
   return evaluation;
+}
+
+void Meter::say(std::string stage) {
+  stage_ = std::move(stage);
+  if (observer_) observer_(*this);
 }
 
 void Meter::count_program(std::int64_t evaluations) {
@@ -117,7 +123,9 @@ void Meter::save(Archive& archive) const {
                  {static_cast<double>(point.evaluations), point.seconds, point.score, point.achieved ? 1.0 : 0.0});
   }
   archive.put("meter/trace", std::span<const double>{trace});
-  if (best_) put(archive, "meter/best", std::span{&best_->design, 1});
+  if (!best_) return;
+  put(archive, "meter/best", std::span{&best_->design, 1});
+  put(archive, "meter/best/postures", best_->evaluation.attempt.postures);
 }
 
 void Meter::restore(const Archive& archive, const DesignProblem& problem) {
@@ -144,8 +152,11 @@ void Meter::restore(const Archive& archive, const DesignProblem& problem) {
   if (!archive.has("meter/best/lengths")) return;
   const std::vector<Design> best = restored_designs(archive, "meter/best", problem.library());
   if (best.size() != 1) archive.fail("meter/best", "does not hold one design");
+  // Achieved with postures that it was given, perhaps: they are kept with it.
+  Witness witness;
+  if (archive.has("meter/best/postures/rows")) witness.postures = restored_matrix(archive, "meter/best/postures");
   std::optional<std::string> failure;  // counted when it was evaluated first
-  best_ = Incumbent{best.front(), evaluated(problem, best.front(), Fidelity::kFull, failure)};
+  best_ = Incumbent{best.front(), evaluated(problem, best.front(), Fidelity::kFull, witness, failure)};
 }
 
 double Meter::elapsed() const {

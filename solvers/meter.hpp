@@ -79,10 +79,15 @@ class Meter {
   /// one bad design of a user's task does not end a search. Misuse (std::invalid_argument) passes through, counted.
   /// A screening is counted but never becomes the best: it promises a score and does not show it.
   [[nodiscard]] std::optional<Evaluation> evaluate(const DesignProblem& problem, const Design& design,
-                                                   Fidelity fidelity = Fidelity::kFull);
+                                                   Fidelity fidelity = Fidelity::kFull,
+                                                   const Witness& witness = {});
 
   /// Counts inner work that was not part of an evaluation.
   void count(const Work& work) { progress_.work += work; }
+  /// What the solver is at, in a few words for whoever watches: "poses: 1200 sequences, 31 meet them". Calls the
+  /// observer.
+  void say(std::string stage);
+  [[nodiscard]] const std::string& stage() const { return stage_; }
   /// Counts evaluations of a smooth program.
   void count_program(std::int64_t evaluations);
 
@@ -113,6 +118,7 @@ class Meter {
   std::optional<Incumbent> best_;
   std::vector<TracePoint> trace_;
   std::string first_failure_;
+  std::string stage_;
 };
 
 }  // namespace modsearch

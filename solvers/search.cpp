@@ -29,6 +29,21 @@ Rng restored_rng(const Archive& archive, const std::string& name) {
   return Rng{std::array<std::uint64_t, 2>{state[0], state[1]}};
 }
 
+void put(Archive& archive, const std::string& name, const Eigen::MatrixXd& matrix) {
+  archive.put_integer(name + "/rows", matrix.rows());
+  archive.put(name + "/values", std::span<const double>{matrix.data(), static_cast<std::size_t>(matrix.size())});
+}
+
+Eigen::MatrixXd restored_matrix(const Archive& archive, const std::string& name) {
+  const std::int64_t rows = archive.integer(name + "/rows");
+  const std::vector<double> values = archive.numbers(name + "/values");
+  const auto size = static_cast<std::int64_t>(values.size());
+  if (rows < 0 || (rows == 0 ? size > 0 : size % rows != 0)) {
+    archive.fail(name + "/rows", fmt::format("is {}, which {} values do not fill", rows, size));
+  }
+  return Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, rows == 0 ? 0 : size / rows);
+}
+
 void put(Archive& archive, const std::string& name, std::span<const Design> designs) {
   std::vector<std::int64_t> lengths;
   std::vector<std::int64_t> types;

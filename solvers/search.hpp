@@ -37,6 +37,9 @@ class SteppedSolver : public Solver {
 /// Streams of random numbers in archives.
 void put(Archive& archive, const std::string& name, const Rng& rng);
 [[nodiscard]] Rng restored_rng(const Archive& archive, const std::string& name);
+/// Matrices in archives, as the entries NAME/rows and NAME/values.
+void put(Archive& archive, const std::string& name, const Eigen::MatrixXd& matrix);
+[[nodiscard]] Eigen::MatrixXd restored_matrix(const Archive& archive, const std::string& name);
 /// Designs in archives, as the entries NAME/types, NAME/lengths and NAME/parameters. `library`: gives the number of
 /// parameters of each type. Restoring throws FileError for a design that does not belong to it.
 void put(Archive& archive, const std::string& name, std::span<const Design> designs);
