@@ -34,6 +34,7 @@
 #include <modsearch/kinematics/scene.hpp>
 #include <modsearch/kinematics/separation.hpp>
 #include <modsearch/kinematics/shape.hpp>
+#include <modsearch/kinematics/simultaneous_ik.hpp>
 #include <modsearch/kinematics/space_time.hpp>
 #include <modsearch/kinematics/statics.hpp>
 #include <modsearch/kinematics/work.hpp>
@@ -46,6 +47,7 @@
 #include <modsearch/problem/frozen_design.hpp>
 #include <modsearch/problem/goal.hpp>
 #include <modsearch/problem/module_library.hpp>
+#include <modsearch/problem/pose_program.hpp>
 #include <modsearch/problem/problem_source.hpp>
 #include <modsearch/problem/reach_bound.hpp>
 #include <modsearch/problem/rng.hpp>
@@ -55,6 +57,7 @@
 #include <modsearch/problem/sequence_count.hpp>
 #include <modsearch/problem/smooth_program.hpp>
 #include <modsearch/problem/task.hpp>
+#include <modsearch/problem/task_pose_program.hpp>
 #include <modsearch/problem/task_program.hpp>
 #include <modsearch/problem/urdf.hpp>
 #include <modsearch/problem/whitman.hpp>

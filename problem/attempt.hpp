@@ -45,6 +45,8 @@ inline constexpr std::size_t kFailures = static_cast<std::size_t>(Failure::kThre
 /// where the design is achieved with them (PROBLEM 3).
 struct Witness {
   Eigen::MatrixXd postures;  ///< [n_goals x n_joints], rad or m; empty: none. Of another size: not looked at
+  /// Where the design is not achieved with them, no others are looked for: for searches that have more to try.
+  bool only = false;
 
   [[nodiscard]] bool empty() const { return postures.size() == 0; }
 };

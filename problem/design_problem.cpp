@@ -19,7 +19,7 @@ Evaluation DesignProblem::evaluate(const Design& design, Fidelity fidelity, cons
   try {
     if (witness.empty()) return do_evaluate(design, fidelity);
     Evaluation with = do_evaluate_with(design, fidelity, witness);
-    if (with.attempt.achieved) return with;
+    if (with.attempt.achieved || witness.only) return with;
     Evaluation without = do_evaluate(design, fidelity);
     const Work work = with.attempt.work;
     Evaluation& better = with.better_than(without) ? with : without;
@@ -41,6 +41,8 @@ std::vector<Fidelity> DesignProblem::stages() const {
 }
 
 std::unique_ptr<SmoothProgram> DesignProblem::relax(std::span<const int>, const Relaxation&) const { return nullptr; }
+
+std::unique_ptr<PoseProgram> DesignProblem::pose_program(std::span<const int>) const { return nullptr; }
 
 Optimism DesignProblem::optimism(std::span<const int>) const { return {}; }
 

@@ -3,6 +3,7 @@
 #include <memory>
 #include <modsearch/problem/attempt.hpp>
 #include <modsearch/problem/design.hpp>
+#include <modsearch/problem/pose_program.hpp>
 #include <modsearch/problem/scoring.hpp>
 #include <modsearch/problem/smooth_program.hpp>
 #include <span>
@@ -76,13 +77,15 @@ class DesignProblem {
   /// Throws std::invalid_argument (module, parameter, value, limit) for a design outside the search space,
   /// EvaluationError for whatever std::exception do_evaluate ends with.
   /// `witness`: postures to try first. What is achieved with them is the answer; otherwise the better of that attempt
-  /// and the one without them. The same arguments give the same evaluation.
+  /// and the one without them (unless these are the only ones wanted). The same arguments give the same evaluation.
   [[nodiscard]] Evaluation evaluate(const Design& design, Fidelity fidelity = Fidelity::kFull,
                                     const Witness& witness = {}) const;
 
   /// The smooth relaxation for a fixed type sequence, or null where there is none.
   [[nodiscard]] virtual std::unique_ptr<SmoothProgram> relax(std::span<const int> types,
                                                              const Relaxation& relaxation = {}) const;
+  /// The poses of all goals for a fixed type sequence, or null where the problem has no such thing.
+  [[nodiscard]] virtual std::unique_ptr<PoseProgram> pose_program(std::span<const int> types) const;
   /// An upper bound on the score of achieved designs with exactly these types; +inf where nothing is known.
   [[nodiscard]] virtual Optimism optimism(std::span<const int> types) const;
   /// The same for all designs of exactly `n` modules (without the base) at once.

@@ -5,6 +5,7 @@
 #include <map>
 #include <modsearch/problem/base_placement.hpp>
 #include <modsearch/problem/robot_problem.hpp>
+#include <modsearch/problem/task_pose_program.hpp>
 #include <modsearch/problem/task_program.hpp>
 #include <mutex>
 #include <shared_mutex>
@@ -47,7 +48,8 @@ class ChainCache {
   }
 
  private:
-  // A search of millions of sequences must not keep them all (some kilobytes each); building one anew takes microseconds.
+  // A search of millions of sequences must not keep them all (some kilobytes each); building one anew takes
+  // microseconds.
   static constexpr std::size_t kKept = 16384;
 
   std::shared_ptr<const ModuleLibrary> library_;
@@ -174,6 +176,11 @@ Evaluation RobotProblem::do_evaluate_with(const Design& design, Fidelity fidelit
 
 std::unique_ptr<SmoothProgram> RobotProblem::relax(std::span<const int> types, const Relaxation& relaxation) const {
   return std::make_unique<TaskProgram>(*this, types, relaxation);
+}
+
+std::unique_ptr<PoseProgram> RobotProblem::pose_program(std::span<const int> types) const {
+  if (!TaskPoseProgram::covers(task())) return nullptr;
+  return std::make_unique<TaskPoseProgram>(*this, types);
 }
 
 double RobotProblem::farthest_goal() const {

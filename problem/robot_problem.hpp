@@ -48,6 +48,7 @@ class RobotProblem final : public DesignProblem {
   [[nodiscard]] Eigen::VectorXd context() const override;
   [[nodiscard]] std::unique_ptr<SmoothProgram> relax(std::span<const int> types,
                                                      const Relaxation& relaxation = {}) const override;
+  [[nodiscard]] std::unique_ptr<PoseProgram> pose_program(std::span<const int> types) const override;
   [[nodiscard]] Optimism optimism(std::span<const int> types) const override;
   [[nodiscard]] Optimism optimism_of_length(int n) const override;
   [[nodiscard]] Optimism optimism_of_prefix(std::span<const int> types, int n) const override;
