@@ -14,6 +14,7 @@
 #include <modsearch/baselines/lexicographic.hpp>
 #include <modsearch/baselines/memetic_polish.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
+#include <modsearch/baselines/pose_first.hpp>
 #include <modsearch/baselines/random_search.hpp>
 #include <modsearch/baselines/refined.hpp>
 #include <modsearch/baselines/sequence_frontier.hpp>

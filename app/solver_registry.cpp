@@ -13,6 +13,7 @@
 #include <modsearch/baselines/enumerate.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
+#include <modsearch/baselines/pose_first.hpp>
 #include <modsearch/baselines/random_search.hpp>
 #include <modsearch/baselines/tree_search.hpp>
 #include <modsearch/rl/random_policy.hpp>
@@ -146,6 +147,22 @@ SolverEntry cma_es() {
       make_cma_es};
 }
 
+SolverEntry pose_first() {
+  const PoseFirstOptions defaults;
+  return {
+      "pose-first",
+      "sequences from a model that learns; all poses and lengths at once, clearance when needed: for several full "
+      "poses",
+      {{"starts", std::to_string(defaults.starts), "of a new sequence"},
+       {"iterations", std::to_string(defaults.iterations), "of the smooth program that makes room and takes off mass"}},
+      [](const OptionValues& values) {
+        PoseFirstOptions options;
+        options.starts = integer(values, "starts", options.starts, 1, 100'000);
+        options.iterations = integer(values, "iterations", options.iterations, 1, 100'000);
+        return std::make_unique<PoseFirst>(options);
+      }};
+}
+
 std::unique_ptr<Solver> make_annealing(const OptionValues& values) {
   AnnealingOptions options;
   options.cycle = integer(values, "cycle", options.cycle, 1, 1'000'000'000);
@@ -158,14 +175,15 @@ std::unique_ptr<Solver> make_annealing(const OptionValues& values) {
 
 SolverEntry annealing() {
   const AnnealingOptions defaults;
-  return {"anneal",
-          "simulated annealing: one design, changed module by module and length by length, cooled and heated again",
-          {{"cycle", std::to_string(defaults.cycle), "evaluations from hot to cold"},
-           {"hot", fmt::format("{}", defaults.hot), "first temperature, points of the score"},
-           {"cold", fmt::format("{}", defaults.cold), "last temperature, points of the score"},
-           {"structure", fmt::format("{}", defaults.structure), "share of proposals with another sequence"},
-           {"penalty", fmt::format("{}", defaults.penalty), "points for missing a goal by its whole distance, at first"}},
-          make_annealing};
+  return {
+      "anneal",
+      "simulated annealing: one design, changed module by module and length by length, cooled and heated again",
+      {{"cycle", std::to_string(defaults.cycle), "evaluations from hot to cold"},
+       {"hot", fmt::format("{}", defaults.hot), "first temperature, points of the score"},
+       {"cold", fmt::format("{}", defaults.cold), "last temperature, points of the score"},
+       {"structure", fmt::format("{}", defaults.structure), "share of proposals with another sequence"},
+       {"penalty", fmt::format("{}", defaults.penalty), "points for missing a goal by its whole distance, at first"}},
+      make_annealing};
 }
 
 std::unique_ptr<Solver> make_enumerate(const OptionValues& values) {
@@ -238,17 +256,18 @@ SolverEntry tree_search() {
 std::vector<SolverEntry> make_entries() {
   const PerSequenceOptions defaults;
   std::vector<SolverEntry> entries;
-  entries.push_back(
-      {"auto",
-       "the default: bounds first, then what suits the problem: eliminate, per-sequence or ga; says what is proved",
-       {},
-       [](const OptionValues&) { return std::make_unique<AutoSolver>(); }});
+  entries.push_back({"auto",
+                     "the default: bounds first, then what suits the problem: eliminate, per-sequence, pose-first or "
+                     "ga; says what is proved",
+                     {},
+                     [](const OptionValues&) { return std::make_unique<AutoSolver>(); }});
   entries.push_back(random_entry());
   entries.push_back({"per-sequence",
                      "type sequences in order of an optimistic bound, each solved as a smooth program",
                      {{"inner", std::string{name(defaults.inner)}, inner_names()},
                       {"starts", std::to_string(defaults.starts), "low-discrepancy starts per sequence"}},
                      make_per_sequence});
+  entries.push_back(pose_first());
   entries.push_back(enumeration());
   entries.push_back(branch_and_bound());
   entries.push_back(elimination());

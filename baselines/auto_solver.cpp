@@ -7,6 +7,7 @@
 #include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/lexicographic.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
+#include <modsearch/baselines/pose_first.hpp>
 #include <modsearch/problem/sequence_count.hpp>
 #include <utility>
 
@@ -24,6 +25,14 @@ bool has_smooth_programs(const DesignProblem& problem) {
     }
   }
   return false;
+}
+
+// Arms have to bring their tip into orientations, not to positions alone: one of few joints does so by luck.
+bool asks_for_poses(const DesignProblem& problem) {
+  const std::vector<int> first = problem.successors({});
+  if (first.empty()) return false;
+  const std::unique_ptr<PoseProgram> program = problem.pose_program(std::span{first}.first(1));
+  return program && program->asks_for_orientation();
 }
 
 double n_sequences(const DesignProblem& problem) {
@@ -48,26 +57,34 @@ constexpr std::int64_t kProofBoxes = 2'000;
 class AutoSearch final : public Search {
  public:
   AutoSearch(const DesignProblem& problem, Rng rng) : problem_{problem}, rng_{rng} {
+    n_sequences_ = n_sequences(problem);
     const bool discrete = problem.library().max_parameters() == 0;
+    if (n_sequences_ > kSome && asks_for_poses(problem)) {
+      enter(Phase::kPoses);
+      return;
+    }
     if (discrete) {
       first_ = std::make_unique<Eliminate>();
     } else if (has_smooth_programs(problem)) {
       first_ = std::make_unique<PerSequence>();
     }
-    n_sequences_ = n_sequences(problem);
-    enter(first_ ? Phase::kSequences : Phase::kEvolution);
+    enter(first_ ? Phase::kSequences : afterwards());
   }
 
   std::optional<SearchEnd> step(Meter& meter) override {
     std::optional<SearchEnd> end = search_->step(meter);
     ++steps_;
-    if (end && phase_ == Phase::kSequences && provable(*end) && !meter.stopped()) {
-      found_ = std::move(end->reason);
-      enter(Phase::kProof);
-      return std::nullopt;
+    if (end && phase_ == Phase::kSequences && !meter.stopped()) {
+      // Starts that failed are no proof, so that there is more to try where nothing is achieved.
+      const bool in_vain = end->stop == StopReason::kExhausted && !any_achieved(meter);
+      if (in_vain || provable(*end)) {
+        found_ = std::move(end->reason);
+        enter(in_vain ? afterwards() : Phase::kProof);
+        return std::nullopt;
+      }
     }
     if (end) return told(std::move(*end), meter);
-    if (phase_ == Phase::kSequences && better_evolved(meter)) enter(Phase::kEvolution);
+    if (phase_ == Phase::kSequences && too_long(meter)) enter(afterwards());
     return std::nullopt;
   }
 
@@ -79,8 +96,8 @@ class AutoSearch final : public Search {
   }
   void restore(const Archive& archive) override {
     const std::int64_t phase = archive.integer("auto/phase");
-    if (phase != static_cast<std::int64_t>(phase_)) {
-      enter(phase == static_cast<std::int64_t>(Phase::kProof) ? Phase::kProof : Phase::kEvolution);
+    for (const Phase known : {Phase::kSequences, Phase::kEvolution, Phase::kProof, Phase::kPoses}) {
+      if (phase == static_cast<std::int64_t>(known) && known != phase_) enter(known);
     }
     steps_ = archive.integer("auto/steps");
     found_ = archive.text("auto/found");
@@ -88,19 +105,37 @@ class AutoSearch final : public Search {
   }
 
  private:
-  enum class Phase { kSequences, kEvolution, kProof };
+  enum class Phase { kSequences, kEvolution, kProof, kPoses };  // the numbers stand in checkpoints
+
+  [[nodiscard]] const SteppedSolver& method() const {
+    switch (phase_) {
+      case Phase::kSequences:
+        return *first_;
+      case Phase::kEvolution:
+        return evolution_;
+      case Phase::kProof:
+        return proof_;
+      case Phase::kPoses:
+        return poses_;
+    }
+    return evolution_;
+  }
 
   void enter(Phase phase) {
     phase_ = phase;
-    const SteppedSolver& method = phase == Phase::kSequences ? *first_
-                                  : phase == Phase::kProof   ? static_cast<const SteppedSolver&>(proof_)
-                                                             : evolution_;
-    search_ = method.start(problem_, rng_);
+    search_ = method().start(problem_, rng_);
+  }
+
+  // What goes on where single sequences, one after the other, lead nowhere.
+  [[nodiscard]] Phase afterwards() const { return PoseFirst::covers(problem_) ? Phase::kPoses : Phase::kEvolution; }
+
+  [[nodiscard]] static bool any_achieved(const Meter& meter) {
+    return meter.best() && meter.best()->evaluation.attempt.achieved;
   }
 
   // Going through the sequences takes too long: there are too many, or the first have shown nothing.
-  [[nodiscard]] bool better_evolved(const Meter& meter) const {
-    const bool in_vain = !(meter.best() && meter.best()->evaluation.attempt.achieved);
+  [[nodiscard]] bool too_long(const Meter& meter) const {
+    const bool in_vain = !any_achieved(meter);
     return steps_ >= (in_vain ? kFirstStepsInVain : kFirstSteps) && n_sequences_ > (in_vain ? kSome : kMany);
   }
 
@@ -117,7 +152,12 @@ class AutoSearch final : public Search {
     } else if (phase_ == Phase::kProof) {
       did = fmt::format("{}: {}; then {}", first_->name(), found_, proof_.name());
     } else if (first_) {
-      did = fmt::format("{} of {:.4g} type sequences, then {}", first_->name(), n_sequences_, evolution_.name());
+      const std::string in_vain = found_.empty() ? "" : fmt::format(" ({})", found_);
+      did =
+          fmt::format("{} of {:.4g} type sequences{}, then {}", first_->name(), n_sequences_, in_vain, method().name());
+    } else if (phase_ == Phase::kPoses) {
+      did = fmt::format("{}, for the goals ask for orientations and there are {:.4g} type sequences", poses_.name(),
+                        n_sequences_);
     } else {
       did = evolution_.name();
     }
@@ -138,6 +178,7 @@ class AutoSearch final : public Search {
   Rng rng_;
   std::unique_ptr<SteppedSolver> first_;  // null: nothing can be done with single sequences
   GeneticAlgorithm evolution_;
+  PoseFirst poses_;
   BranchAndBound proof_{{.boxes = kProofBoxes}};
   double n_sequences_ = 0.0;
   Phase phase_ = Phase::kSequences;

@@ -199,12 +199,15 @@ struct SimultaneousIk::Impl {
   // What is known of the start in a lane.
   struct Lane {
     int start = -1;  // none
-    int steps = 0;
+    int steps = 0;   // since it was begun or begun anew
+    int again = 0;   // times that it was begun anew
     double cost = kInfinity;
   };
   std::array<Lane, kIkLanes> state;
   Eigen::VectorXd v;
   Posture posture;
+
+  static constexpr double kFirstDamping = 1e-2;
 
   void lay_out() {
     const auto n = static_cast<std::size_t>(lower.size());
@@ -226,8 +229,7 @@ struct SimultaneousIk::Impl {
   }
 
   void begin(int lane, int start, const Start& source) {
-    constexpr double kFirstDamping = 1e-2;
-    state[static_cast<std::size_t>(lane)] = {.start = start, .steps = 0, .cost = kInfinity};
+    state[static_cast<std::size_t>(lane)] = {.start = start, .steps = 0, .again = 0, .cost = kInfinity};
     source(start, v);
     v = v.cwiseMax(lower).cwiseMin(upper);
     for (Eigen::Index i = 0; i < v.size(); ++i) lanes.v[i * kIkLanes + lane] = v[i];
@@ -235,11 +237,42 @@ struct SimultaneousIk::Impl {
     lanes.damping[lane] = kFirstDamping;
   }
 
+  [[nodiscard]] bool meets(int lane, std::size_t goal) const {
+    const std::size_t at = goal * kIkLanes + static_cast<std::size_t>(lane);
+    return lanes.position[at] <= close_position[goal] && lanes.rotation[at] <= close_rotation[goal];
+  }
+
   [[nodiscard]] bool close(int lane) const {
     for (std::size_t g = 0; g < goals.size(); ++g) {
-      const std::size_t at = g * kIkLanes + static_cast<std::size_t>(lane);
-      if (!(lanes.position[at] <= close_position[g] && lanes.rotation[at] <= close_rotation[g])) return false;
+      if (!meets(lane, g)) return false;
     }
+    return true;
+  }
+
+  // Where the lane is stuck with some goals met and others not, the postures of the others are drawn anew: what is met
+  // stays. Without this a start would have to be lucky with all goals at once. False: there is nothing to keep, or it
+  // was done often enough.
+  [[nodiscard]] bool begin_anew(int lane, const Start& source) {
+    constexpr double kNear = 100.0;  // times the squared distance that counts as met: it will be once the others are
+    Lane& s = state[static_cast<std::size_t>(lane)];
+    if (s.again >= options.restarts) return false;
+    std::vector<std::size_t> missed;
+    for (std::size_t g = 0; g < goals.size(); ++g) {
+      const std::size_t at = g * kIkLanes + static_cast<std::size_t>(lane);
+      const bool near =
+          lanes.position[at] <= kNear * close_position[g] && lanes.rotation[at] <= kNear * close_rotation[g];
+      if (!near) missed.push_back(g);
+    }
+    if (missed.empty() || missed.size() == goals.size()) return false;
+    source(s.start, v);
+    v = v.cwiseMax(lower).cwiseMin(upper);
+    for (const std::size_t g : missed) {
+      const Eigen::Index first = model.n_parameters + static_cast<Eigen::Index>(g) * model.n_joints;
+      for (Eigen::Index i = first; i < first + model.n_joints; ++i) lanes.v[i * kIkLanes + lane] = v[i];
+    }
+    s = {.start = s.start, .steps = 0, .again = s.again + 1, .cost = kInfinity};
+    lanes.cost[lane] = kInfinity;
+    lanes.damping[lane] = kFirstDamping;
     return true;
   }
 
@@ -384,7 +417,7 @@ SimultaneousIk::Outcome SimultaneousIk::solve(int n_starts, const Start& start, 
       if (which < 0) continue;
       ++outcome.steps;
       const bool close = m.close(lane);
-      if (!close && !m.stuck(lane)) continue;
+      if (!close && (!m.stuck(lane) || m.begin_anew(lane, start))) continue;
       --working;
       if (close && m.arrived(lane)) {
         if (!arrival(which, m.v)) return outcome;

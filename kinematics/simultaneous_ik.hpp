@@ -17,6 +17,8 @@ struct SimultaneousIkOptions {
   /// A start is given up where a step after the tenth lowers the cost by less than this share of it (measured:
   /// docs/inverse_kinematics.md).
   double least_gain = 1e-2;
+  /// Times that a start which is stuck with some goals met draws the postures of the others anew.
+  int restarts = 8;
 };
 
 /// Inverse kinematics of all goals of a task at once, with the lengths of the arm among the unknowns: one set of

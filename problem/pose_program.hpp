@@ -31,6 +31,8 @@ class PoseProgram {
   /// Bounds of the variables (x, q_goal1, ..), all finite.
   [[nodiscard]] virtual const Eigen::VectorXd& lower() const = 0;
   [[nodiscard]] virtual const Eigen::VectorXd& upper() const = 0;
+  /// Whether any goal asks for more than a position.
+  [[nodiscard]] virtual bool asks_for_orientation() const = 0;
   /// Whether such arms meet goals in general: a small change of any goal can be followed by a small change of the
   /// variables. False for sequences that meet them by luck alone: too few joints and lengths, or joints that repeat
   /// each other.

@@ -28,6 +28,11 @@ TaskPoseProgram::TaskPoseProgram(const RobotProblem& problem, std::span<const in
       ik_{*chain_, regions_of(problem.task()), parameter_box(problem.library(), types).lower,
           parameter_box(problem.library(), types).upper} {}
 
+bool TaskPoseProgram::asks_for_orientation() const {
+  const std::span<const Goal> goals = problem_.task().goals();
+  return std::any_of(goals.begin(), goals.end(), [](const Goal& goal) { return goal.region.constrains_orientation(); });
+}
+
 bool TaskPoseProgram::generic() { return ik_.generic(); }
 
 PoseProgram::Outcome TaskPoseProgram::solve(int n_starts, const Start& start, const Arrival& arrival) {

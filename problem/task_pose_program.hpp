@@ -19,6 +19,7 @@ class TaskPoseProgram final : public PoseProgram {
 
   [[nodiscard]] const Eigen::VectorXd& lower() const override { return ik_.lower(); }
   [[nodiscard]] const Eigen::VectorXd& upper() const override { return ik_.upper(); }
+  [[nodiscard]] bool asks_for_orientation() const override;
   [[nodiscard]] bool generic() override;
   Outcome solve(int n_starts, const Start& start, const Arrival& arrival) override;
   [[nodiscard]] Design design(const Eigen::VectorXd& v) const override;

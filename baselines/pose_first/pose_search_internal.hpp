@@ -1,0 +1,71 @@
+#pragma once
+
+#include <functional>
+#include <modsearch/baselines/pose_first.hpp>
+#include <modsearch/baselines/pose_first/sequence_belief_internal.hpp>
+#include <modsearch/solvers/search.hpp>
+#include <string>
+#include <vector>
+
+namespace modsearch::detail {
+
+/// A search of `PoseFirst` under way.
+class PoseSearch final : public Search {
+ public:
+  /// `problem` must outlive it.
+  PoseSearch(const PoseFirstOptions& options, const DesignProblem& problem, Rng rng);
+
+  /// One try of one sequence.
+  [[nodiscard]] std::optional<SearchEnd> step(Meter& meter) override;
+  void save(Archive& archive) const override;
+  void restore(const Archive& archive) override;
+
+ private:
+  /// A design whose postures are free, with these.
+  struct Elite {
+    std::vector<int> types;
+    Eigen::VectorXd v;  ///< as in its pose program
+    double score = 0.0;
+  };
+  /// A point at which all poses are met.
+  struct Arrival {
+    Eigen::VectorXd v;
+    Evaluation screen;
+  };
+  /// A sequence that is tried, with what it may score and where its starts come from.
+  struct Try {
+    std::vector<int> types;
+    double bound = 0.0;
+    int n_starts = 0;
+    std::function<void(int i, Eigen::Ref<Eigen::VectorXd> v, const PoseProgram& program)> start;
+  };
+
+  [[nodiscard]] double to_beat(const Meter& meter) const;
+  [[nodiscard]] std::optional<SearchEnd> over(const Meter& meter) const;
+  bool explore(Meter& meter);
+  bool improve(Meter& meter);
+  [[nodiscard]] double attempt(const Try& what, Meter& meter, bool& met);
+  [[nodiscard]] std::vector<Arrival> arrivals(const Try& what, PoseProgram& program, Meter& meter, double& work);
+  void settle(const Try& what, const PoseProgram& program, const Arrival& arrival, Meter& meter);
+  bool finish(const Try& what, const PoseProgram& program, const Eigen::VectorXd& v, const Evaluation& screen,
+              Meter& meter);
+  void refine(const Try& what, const PoseProgram& program, const Eigen::VectorXd& v, double clearance, Meter& meter);
+  void keep(const std::vector<int>& types, const Eigen::VectorXd& v, double score);
+  void tell(Meter& meter) const;
+
+  PoseFirstOptions options_;
+  const DesignProblem& problem_;
+  Rng rng_;
+  SequenceBelief belief_;
+  bool begun_ = false;
+  double floor_ = 0.0;  // score of the empty design
+  std::vector<Elite> elites_;
+  double explored_ = 0.0;  // work spent on drawn sequences, and on changes of what was found
+  double improved_ = 0.0;
+  double spent_ = 0.0;  // work of the try under way
+  int idle_ = 0;        // steps in a row that found nothing to try
+  int no_path_ = 0;     // planned in vain in the try under way
+  std::int64_t tried_ = 0, met_ = 0, free_ = 0, refined_ = 0, planned_ = 0, achieved_ = 0;
+};
+
+}  // namespace modsearch::detail
