@@ -19,10 +19,6 @@ bool PoseFirst::covers(const DesignProblem& problem) {
 }
 
 std::unique_ptr<Search> PoseFirst::start(const DesignProblem& problem, Rng rng) const {
-  if (!covers(problem)) {
-    throw std::invalid_argument(
-        fmt::format("pose-first: problem '{}' has no poses that could be solved for", problem.name()));
-  }
   return std::make_unique<detail::PoseSearch>(options_, problem, rng);
 }
 

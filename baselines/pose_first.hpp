@@ -33,7 +33,7 @@ class PoseFirst final : public SteppedSolver {
   [[nodiscard]] static bool covers(const DesignProblem& problem);
   [[nodiscard]] std::string name() const override { return "pose-first"; }
   [[nodiscard]] const PoseFirstOptions& options() const { return options_; }
-  /// Throws std::invalid_argument for a problem that is not covered.
+  /// On a problem that is not covered the search ends with the empty design and says so.
   [[nodiscard]] std::unique_ptr<Search> start(const DesignProblem& problem, Rng rng) const override;
 
  private:

@@ -124,6 +124,8 @@ std::optional<Aim> aim_at(const PoseRegion& region) {
   constexpr double kNarrow = 5e-3;      // [m] half widths below this are aimed at in their middle
   constexpr double kNarrowTurn = 0.05;  // [rad]
   constexpr double kWideShare = 0.8;    // of a wide interval: what costs nothing
+  // Less where the tip may turn about another axis meanwhile, for the sines are smaller than the angles then.
+  constexpr double kWideTurnShare = 0.3;
   Aim aim;
   IkTarget& target = aim.target;
   const Eigen::Isometry3d& X_WN = region.nominal();
@@ -148,7 +150,8 @@ std::optional<Aim> aim_at(const PoseRegion& region) {
     if (turns && half >= std::numbers::pi) continue;
     for (const int row : rows) {
       target.weight[row] = 1.0;
-      const double slack = narrow ? 0.0 : kWideShare * half / std::sqrt(static_cast<double>(rows.size()));
+      const double slack =
+          narrow ? 0.0 : (turns ? kWideTurnShare : kWideShare) * half / std::sqrt(static_cast<double>(rows.size()));
       target.lower[row] = turns ? std::sin(std::max(middle - slack, -0.5 * std::numbers::pi)) : middle - slack;
       target.upper[row] = turns ? std::sin(std::min(middle + slack, 0.5 * std::numbers::pi)) : middle + slack;
     }

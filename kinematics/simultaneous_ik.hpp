@@ -62,12 +62,12 @@ class SimultaneousIk {
     double least_cost = std::numeric_limits<double>::infinity();  ///< half the sum of squares, of those not arrived
     Eigen::VectorXd nearest{};                                    ///< where that was
   };
-  /// Writes start number `i` into `v` (within the bounds, or it is moved there).
+  /// Writes start number `i` into `v` (within the bounds, or it is moved there). Asked again for the same start where
+  /// goals that it missed are begun anew: another point each time.
   using Start = std::function<void(int i, Eigen::Ref<Eigen::VectorXd> v)>;
   /// Start `i` has arrived at `v`: every region contains the tip. False: no further start is worth it.
   using Arrival = std::function<bool(int i, const Eigen::VectorXd& v)>;
-  /// Works off starts 0 .. n_starts - 1. Which arrive, and where, depends on the start alone; the order of arrivals on
-  /// all of them.
+  /// Works off starts 0 .. n_starts - 1, eight at a time; the same starts give the same arrivals in the same order.
   Outcome solve(int n_starts, const Start& start, const Arrival& arrival);
 
  private:

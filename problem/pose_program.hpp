@@ -22,7 +22,8 @@ class PoseProgram {
     double least_cost = std::numeric_limits<double>::infinity();
     Eigen::VectorXd nearest{};  ///< where that was; empty: all arrived
   };
-  /// Writes start number `i` into `v` (within the bounds, or it is moved there).
+  /// Writes start number `i` into `v` (within the bounds, or it is moved there); another point each time that it is
+  /// asked for the same start.
   using Start = std::function<void(int i, Eigen::Ref<Eigen::VectorXd> v)>;
   /// Start `i` has arrived at `v`: every goal's region contains the tip. False: no further start is worth it.
   using Arrival = std::function<bool(int i, const Eigen::VectorXd& v)>;

@@ -29,7 +29,11 @@ double work_of(const Progress& before, const Progress& after) {
 }  // namespace
 
 PoseSearch::PoseSearch(const PoseFirstOptions& options, const DesignProblem& problem, Rng rng)
-    : options_{options}, problem_{problem}, rng_{rng}, belief_{problem, rng.fork("belief")} {}
+    : options_{options},
+      problem_{problem},
+      rng_{rng},
+      belief_{problem, rng.fork("belief")},
+      covered_{PoseFirst::covers(problem)} {}
 
 std::optional<SearchEnd> PoseSearch::step(Meter& meter) {
   if (!begun_) {
@@ -38,6 +42,7 @@ std::optional<SearchEnd> PoseSearch::step(Meter& meter) {
     floor_ = std::isfinite(empty->score) ? empty->score : 0.0;
     begun_ = true;
   }
+  if (!covered_) return SearchEnd{StopReason::kExhausted, "the problem has no poses that could be solved for", {}};
   if (std::optional<SearchEnd> end = over(meter)) return end;
   // Half of the work goes into what is new, half into what was found, once there is something.
   const bool tried = !elites_.empty() && improved_ < explored_ ? improve(meter) : explore(meter);
@@ -82,10 +87,9 @@ bool PoseSearch::explore(Meter& meter) {
                      v[i] = rng_.uniform(program.lower()[i], program.upper()[i]);
                    }
                  }};
-  bool met = false;
-  const double work = attempt(what, meter, met);
-  belief_.learn(what.types, met, work);
-  explored_ += work;
+  const Outcome outcome = attempt(what, meter);
+  belief_.learn(what.types, outcome.success, outcome.work);
+  explored_ += outcome.work;
   return true;
 }
 
@@ -104,33 +108,30 @@ bool PoseSearch::improve(Meter& meter) {
   what.start = [&](int i, Eigen::Ref<Eigen::VectorXd> v, const PoseProgram& p) {
     carry_over(*change, from, i, p.lower(), p.upper(), rng_, v);
   };
-  bool met = false;
-  improved_ += attempt(what, meter, met);
+  improved_ += attempt(what, meter).work;
   return true;
 }
 
-double PoseSearch::attempt(const Try& what, Meter& meter, bool& met) {
-  const std::unique_ptr<PoseProgram> program = problem_.pose_program(what.types);
+PoseSearch::Outcome PoseSearch::attempt(const Try& what, Meter& meter) {
+  constexpr double kMetAlone = 0.25;  // of a success: the poses are met, and all that was found overlaps
   ++tried_;
   no_path_ = 0;
-  double work = kStepsPerSequence;
-  if (!program->generic()) return work;
+  Outcome outcome{.work = kStepsPerSequence};
   const Progress before = meter.progress();
-  std::vector<Arrival> here = arrivals(what, *program, meter, work);
-  met = !here.empty();
-  met_ += met ? 1 : 0;
-  // Those that are free first, by score; then by how little they overlap.
-  std::stable_sort(here.begin(), here.end(), [](const Arrival& a, const Arrival& b) {
-    const Attempt& x = a.screen.attempt;
-    const Attempt& y = b.screen.attempt;
-    if (x.achieved != y.achieved) return x.achieved;
-    return x.achieved ? a.screen.score > b.screen.score : x.clearance > y.clearance;
-  });
-  constexpr std::size_t kMostSettled = 3;
-  for (std::size_t i = 0; i < std::min(here.size(), kMostSettled) && !meter.stopped(); ++i) {
-    settle(what, *program, here[i], meter);
+  const std::int64_t free_before = free_;
+  try {
+    const std::unique_ptr<PoseProgram> program = problem_.pose_program(what.types);
+    if (!program || !program->generic()) return outcome;
+    std::vector<Arrival> here = arrivals(what, *program, meter, outcome.work);
+    if (here.empty()) return outcome;
+    ++met_;
+    settle(what, *program, std::move(here), meter);
+  } catch (const std::exception&) {
+    return outcome;  // a user's program that throws ends this try, not the search
   }
-  return work + work_of(before, meter.progress());
+  outcome.work += work_of(before, meter.progress());
+  outcome.success = free_ > free_before ? 1.0 : kMetAlone;
+  return outcome;
 }
 
 std::vector<PoseSearch::Arrival> PoseSearch::arrivals(const Try& what, PoseProgram& program, Meter& meter,
@@ -153,20 +154,35 @@ std::vector<PoseSearch::Arrival> PoseSearch::arrivals(const Try& what, PoseProgr
   return here;
 }
 
-void PoseSearch::settle(const Try& what, const PoseProgram& program, const Arrival& arrival, Meter& meter) {
-  const Attempt& attempt = arrival.screen.attempt;
-  if (attempt.achieved) {
-    ++free_;
-    keep(what.types, arrival.v, arrival.screen.score);
-    if (arrival.screen.score > to_beat(meter)) finish(what, program, arrival.v, arrival.screen, meter);
-    // What the sequence could gain at most is seldom gained: worth the work where a part of it would do.
-    constexpr double kHope = 0.6;
-    if (arrival.screen.score + kHope * (what.bound - arrival.screen.score) > to_beat(meter)) {
-      refine(what, program, arrival.v, 1e-3, meter);
-    }
-  } else {
-    refine(what, program, arrival.v, 4e-3, meter);
+// Those that are free first, by score; then by how little they overlap.
+void PoseSearch::settle(const Try& what, const PoseProgram& program, std::vector<Arrival> here, Meter& meter) {
+  std::stable_sort(here.begin(), here.end(), [](const Arrival& a, const Arrival& b) {
+    const Attempt& x = a.screen.attempt;
+    const Attempt& y = b.screen.attempt;
+    if (x.achieved != y.achieved) return x.achieved;
+    return x.achieved ? a.screen.score > b.screen.score : x.clearance > y.clearance;
+  });
+  constexpr std::size_t kMostSettled = 3;
+  for (std::size_t i = 0; i < std::min(here.size(), kMostSettled) && !meter.stopped(); ++i) {
+    settle(what, program, here[i], meter);
   }
+}
+
+void PoseSearch::settle(const Try& what, const PoseProgram& program, const Arrival& arrival, Meter& meter) {
+  // Margins of the smooth program: a posture that overlaps needs more room than rounding asks for.
+  constexpr double kRoom = 4e-3;  // [m]
+  constexpr double kLess = 1e-3;
+  // What the sequence could gain at most is seldom gained: worth the work where a part of it would do.
+  constexpr double kHope = 0.6;
+  if (!arrival.screen.attempt.achieved) {
+    refine(what, program, arrival.v, kRoom, meter);
+    return;
+  }
+  ++free_;
+  const double score = arrival.screen.score;
+  keep(what.types, arrival.v, score);
+  if (score > to_beat(meter)) finish(what, program, arrival.v, arrival.screen, meter);
+  if (score + kHope * (what.bound - score) > to_beat(meter)) refine(what, program, arrival.v, kLess, meter);
 }
 
 // The evaluation with a path, where the screen promises more than the best. False: none was found.

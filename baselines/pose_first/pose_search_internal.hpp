@@ -44,8 +44,14 @@ class PoseSearch final : public Search {
   [[nodiscard]] std::optional<SearchEnd> over(const Meter& meter) const;
   bool explore(Meter& meter);
   bool improve(Meter& meter);
-  [[nodiscard]] double attempt(const Try& what, Meter& meter, bool& met);
+  /// What came of a try.
+  struct Outcome {
+    double work = 0.0;
+    double success = 0.0;  ///< in [0, 1]
+  };
+  [[nodiscard]] Outcome attempt(const Try& what, Meter& meter);
   [[nodiscard]] std::vector<Arrival> arrivals(const Try& what, PoseProgram& program, Meter& meter, double& work);
+  void settle(const Try& what, const PoseProgram& program, std::vector<Arrival> here, Meter& meter);
   void settle(const Try& what, const PoseProgram& program, const Arrival& arrival, Meter& meter);
   bool finish(const Try& what, const PoseProgram& program, const Eigen::VectorXd& v, const Evaluation& screen,
               Meter& meter);
@@ -57,6 +63,7 @@ class PoseSearch final : public Search {
   const DesignProblem& problem_;
   Rng rng_;
   SequenceBelief belief_;
+  bool covered_;
   bool begun_ = false;
   double floor_ = 0.0;  // score of the empty design
   std::vector<Elite> elites_;

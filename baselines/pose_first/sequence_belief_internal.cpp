@@ -130,7 +130,7 @@ std::optional<SequenceBelief::Drawn> SequenceBelief::draw(double to_beat, Rng& r
   return std::nullopt;
 }
 
-void SequenceBelief::learn(std::span<const int> types, bool success, double work) {
+void SequenceBelief::learn(std::span<const int> types, double success, double work) {
   const Stratum stratum{static_cast<int>(types.size()), sampler_.joints_in(types)};
   const auto found =
       std::find_if(strata_.begin(), strata_.end(), [&](const Experience& e) { return e.stratum == stratum; });
@@ -138,12 +138,12 @@ void SequenceBelief::learn(std::span<const int> types, bool success, double work
   const double expected = chance(*found);
   int previous = -1;
   for (const int k : types) {
-    met_[pair(previous, k)] += success ? 1.0 : 0.0;
+    met_[pair(previous, k)] += success;
     expected_[pair(previous, k)] += expected;
     previous = k;
   }
   found->tried += 1.0;
-  found->succeeded += success ? 1.0 : 0.0;
+  found->succeeded += success;
   found->work += work;
   if (++learned_ >= kLearningPeriod) weigh_pairs();
 }

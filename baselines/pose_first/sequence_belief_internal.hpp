@@ -25,8 +25,8 @@ class SequenceBelief {
   /// what it could gain over `to_beat`, for its work), by the weights of its pairs. Nothing: none was met in a number
   /// of draws.
   [[nodiscard]] std::optional<Drawn> draw(double to_beat, Rng& rng);
-  /// A try of `types` took `work` and met the poses or did not.
-  void learn(std::span<const int> types, bool success, double work);
+  /// A try of `types` took `work` and was a success of `success` in [0, 1].
+  void learn(std::span<const int> types, double success, double work);
 
   /// The greatest bound of all sequences met so far.
   [[nodiscard]] double greatest_bound() const;

@@ -9,6 +9,7 @@
 #include <modsearch/baselines/enumerate.hpp>
 #include <modsearch/baselines/genetic_algorithm.hpp>
 #include <modsearch/baselines/per_sequence.hpp>
+#include <modsearch/baselines/pose_first.hpp>
 #include <modsearch/baselines/refined.hpp>
 #include <modsearch/baselines/tree_search.hpp>
 #include <modsearch/problem/files.hpp>
@@ -56,6 +57,7 @@ std::vector<std::unique_ptr<SteppedSolver>> stepped_solvers() {
   solvers.push_back(std::make_unique<PerSequence>(PerSequenceOptions{.starts = 2}));
   solvers.push_back(std::make_unique<Enumerate>(EnumerateOptions{.continuous = {.starts = 2}}));
   solvers.push_back(std::make_unique<Eliminate>(EliminateOptions{.grid = 2}));
+  solvers.push_back(std::make_unique<PoseFirst>());
   solvers.push_back(std::make_unique<TreeSearch>());
   solvers.push_back(std::make_unique<TreeSearch>(TreeSearchOptions{.rollout = false, .polish = 0}));
   solvers.push_back(std::make_unique<BranchAndBound>());
@@ -111,8 +113,10 @@ TEST(SolverContract, SearchesResumeWhereTheyWereCutOff) {
   }
 }
 
-// Without a smooth program per-sequence has nothing to do.
-bool needs_programs(const Solver& solver) { return solver.name().starts_with("per-sequence"); }
+// Without a smooth program per-sequence has nothing to do, and pose-first without poses.
+bool needs_programs(const Solver& solver) {
+  return solver.name().starts_with("per-sequence") || solver.name() == "pose-first";
+}
 
 TEST(SolverContract, SurvivesProblemsThatFail) {
   for (const auto& solver : stepped_solvers()) {
