@@ -133,7 +133,7 @@ const PlacedShape& Scene::shape_of(const Placed& placed) const {
   return obstacles_[static_cast<std::size_t>(placed.obstacle)].shapes[static_cast<std::size_t>(placed.shape)];
 }
 
-double Scene::clearance(const Arm& arm, const Posture& posture, Work& work, double ceiling) const {
+double Scene::clearance(const Arm& arm, const Posture& posture, Work& work, double ceiling, double floor) const {
   // The pair whose capsules are closest goes first: its distance spares most of the others the exact test.
   double least_gap = ceiling;
   const ArmGeometry* favourite_geometry = nullptr;
@@ -159,6 +159,7 @@ double Scene::clearance(const Arm& arm, const Posture& posture, Work& work, doub
   for (const ArmGeometry& geometry : arm.geometries()) {
     const BoundingCapsule capsule = capsule_of(geometry, posture);
     for (const Placed& placed : placed_) {
+      if (least <= floor) return least;
       if (&geometry == favourite_geometry && &placed == favourite) continue;
       if (!apart(capsule, placed.capsule, least)) look(geometry, placed);
     }
@@ -208,7 +209,7 @@ double Scene::clearance(const Eigen::Vector3d& p_W) const {
   return least;
 }
 
-double self_clearance(const Arm& arm, const Posture& posture, Work& work, double ceiling) {
+double self_clearance(const Arm& arm, const Posture& posture, Work& work, double ceiling, double floor) {
   const ArmCapsules capsules(arm, posture);
   double least = ceiling;
   detail::any_self_pair(arm, [&](std::size_t first, std::size_t second) {
@@ -217,7 +218,7 @@ double self_clearance(const Arm& arm, const Posture& posture, Work& work, double
     const ArmGeometry& b = arm.geometries()[second];
     ++work.distances;
     least = std::min(least, signed_distance(a.shape, pose_of(a, posture), b.shape, pose_of(b, posture)));
-    return false;
+    return least <= floor;
   });
   return least;
 }

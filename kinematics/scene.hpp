@@ -59,9 +59,11 @@ class Scene {
   /// Least signed distance between any body of the arm at `posture` and any obstacle [m]; negative: overlap; +inf:
   /// nothing to compare. `work.distances` counts the pairs that the capsules could not part.
   /// Never more than `ceiling`: what is known to be farther away is not measured, which makes the least clearance of
-  /// many postures cheap to find.
+  /// many postures cheap to find. Where it is at most `floor`, any number between it and `floor` may be the answer: the
+  /// posture with the largest clearance of many is cheap to find as well.
   [[nodiscard]] double clearance(const Arm& arm, const Posture& posture, Work& work,
-                                 double ceiling = std::numeric_limits<double>::infinity()) const;
+                                 double ceiling = std::numeric_limits<double>::infinity(),
+                                 double floor = -std::numeric_limits<double>::infinity()) const;
   /// Whether any body overlaps any obstacle; stops at the first. Much cheaper than the distance.
   [[nodiscard]] bool collides(const Arm& arm, const Posture& posture, Work& work) const;
   /// The separation of every (arm geometry, obstacle shape) pair closer than `margin` [m], in a fixed order.
@@ -85,9 +87,10 @@ class Scene {
 };
 
 /// Least signed distance between two bodies of the arm that are not neighbours (Chain::self_pairs) [m]; +inf: no pairs.
-/// Never more than `ceiling`, as in Scene::clearance.
+/// `ceiling` and `floor`: as in Scene::clearance.
 [[nodiscard]] double self_clearance(const Arm& arm, const Posture& posture, Work& work,
-                                    double ceiling = std::numeric_limits<double>::infinity());
+                                    double ceiling = std::numeric_limits<double>::infinity(),
+                                    double floor = -std::numeric_limits<double>::infinity());
 /// Whether two bodies that are not neighbours overlap; stops at the first pair.
 [[nodiscard]] bool self_collides(const Arm& arm, const Posture& posture, Work& work);
 /// The separation of every pair of geometries of non-neighbouring bodies closer than `margin` [m], in a fixed order.

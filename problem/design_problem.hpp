@@ -62,7 +62,8 @@ class DesignProblem {
   [[nodiscard]] virtual const ModuleLibrary& library() const = 0;
   /// Most modules in a design, the base included.
   [[nodiscard]] virtual int max_modules() const = 0;
-  /// Types that may be attached next: the action mask. Empty when max_modules() is reached.
+  /// Types that may be attached next: the action mask. Empty when max_modules() is reached. A robot problem leaves out
+  /// those after which no design can be complete any more, because no end effector fits into max_modules().
   [[nodiscard]] std::vector<int> successors(std::span<const int> types) const;
   /// Whether Fidelity::kScreen leaves something out: a screened evaluation is then no answer, only a reason to look
   /// closer.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <modsearch/problem/base_placement.hpp>
+#include <modsearch/problem/completion_internal.hpp>
 #include <modsearch/problem/robot_problem.hpp>
 #include <modsearch/problem/task_pose_program.hpp>
 #include <modsearch/problem/task_program.hpp>
@@ -19,11 +20,12 @@ constexpr double kProvedImpossible = -kInfinity;
 
 }  // namespace
 
-// What follows from library and base pose alone: chains by type sequence, and how far each module can carry the arm.
+// What follows from library and base pose alone: chains by type sequence, how far each module can carry the arm, and
+// which types lead to an end effector.
 class ChainCache {
  public:
   ChainCache(std::shared_ptr<const ModuleLibrary> library, const Eigen::Isometry3d& X_WB)
-      : library_{std::move(library)}, X_WB_{X_WB}, base_span_{module_span(library_->base())} {
+      : library_{std::move(library)}, X_WB_{X_WB}, base_span_{module_span(library_->base())}, completion_{*library_} {
     for (int k = 0; k < library_->n_types(); ++k) type_spans_.push_back(module_span(library_->type(k)));
   }
 
@@ -32,6 +34,7 @@ class ChainCache {
   }
   [[nodiscard]] const ModuleSpan& base_span() const { return base_span_; }
   [[nodiscard]] const std::vector<ModuleSpan>& type_spans() const { return type_spans_; }
+  [[nodiscard]] const detail::Completion& completion() const { return completion_; }
 
   // Readers share the lock: all but the first evaluation of a sequence only look.
   [[nodiscard]] std::shared_ptr<const Chain> chain(std::span<const int> types) {
@@ -56,6 +59,7 @@ class ChainCache {
   Eigen::Isometry3d X_WB_;
   ModuleSpan base_span_;
   std::vector<ModuleSpan> type_spans_;
+  detail::Completion completion_;
   std::shared_mutex mutex_;
   std::map<std::vector<int>, std::shared_ptr<const Chain>> chains_;
 };
@@ -132,7 +136,9 @@ std::shared_ptr<const Chain> RobotProblem::chain(std::span<const int> types) con
   return spec_.chains->chain(types);
 }
 
-std::vector<int> RobotProblem::do_successors(std::span<const int> types) const { return library().successors(types); }
+std::vector<int> RobotProblem::do_successors(std::span<const int> types) const {
+  return spec_.chains->completion().successors(types, max_modules() - 1 - static_cast<int>(types.size()));
+}
 
 Evaluation RobotProblem::do_evaluate(const Design& design, Fidelity fidelity) const {
   return do_evaluate_with(design, fidelity, {});
