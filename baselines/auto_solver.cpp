@@ -168,7 +168,7 @@ class AutoSearch final : public Search {
     } else if (end.stop == StopReason::kUnreachable) {
       did += "; proved unreachable";
     } else if (end.bound && std::isfinite(end.bound->score) && std::isfinite(best)) {
-      did += fmt::format("; proved: none scores above {:.6g}", end.bound->score);
+      did += fmt::format("; proved: none scores above {}", rounded_up(end.bound->score));
     }
     end.reason = std::move(did);
     return end;

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <modsearch/baselines/lexicographic.hpp>
@@ -57,6 +59,13 @@ std::optional<Rank> evaluate_rank(Meter& meter, const DesignProblem& problem, co
 
 double score_to_beat(const Meter& meter) {
   return meter.best() && meter.best()->evaluation.attempt.achieved ? meter.best()->evaluation.score : -kInfinity;
+}
+
+std::string rounded_up(double bound) {
+  constexpr int kDigits = 6;
+  if (!std::isfinite(bound) || bound == 0.0) return fmt::format("{}", bound);
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(bound))) + 1 - kDigits);
+  return fmt::format("{:.{}g}", std::ceil(bound / unit) * unit, kDigits);
 }
 
 std::optional<SearchEnd> pointless(const Meter& meter, const DesignProblem& problem) {

@@ -3,6 +3,7 @@
 #include <limits>
 #include <modsearch/solvers/solver.hpp>
 #include <optional>
+#include <string>
 
 namespace modsearch {
 
@@ -38,6 +39,9 @@ struct Rank {
 
 /// The best achieved score so far; -inf before the first.
 [[nodiscard]] double score_to_beat(const Meter& meter);
+
+/// An upper bound in six digits, for people: never less than the bound itself.
+[[nodiscard]] std::string rounded_up(double bound);
 
 /// How a search ends that the problem's bounds make pointless: nothing can be attached, no design is achieved, or none
 /// can beat the best. Nothing: there is a point.

@@ -75,9 +75,13 @@ SearchEnd SequenceSearch::end(const Meter& meter) const {
   const double best = score_to_beat(meter);
   if (best > kImpossible) {
     const bool proved = open_bound_ <= best + kRounding;
-    const std::string what =
-        fmt::format("{} {}; no other can beat the best by its bound{}", plural(tried_, "type sequence"),
-                    settled_ == tried_ ? "evaluated" : "optimised", failures());
+    // Starts prove nothing: whatever they found, a sequence may hold more.
+    const std::string others =
+        proved ? "no other can beat the best by its bound"
+               : fmt::format("none beyond these can beat the best by its bound, and these may score up to {}",
+                             rounded_up(open_bound_));
+    const std::string what = fmt::format("{} {}; {}{}", plural(tried_, "type sequence"),
+                                         settled_ == tried_ ? "evaluated" : "optimised", others, failures());
     return {proved ? StopReason::kOptimal : StopReason::kExhausted, what, bound(meter)};
   }
   if (tried_ == 0) {

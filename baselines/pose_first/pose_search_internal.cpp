@@ -43,7 +43,7 @@ std::optional<SearchEnd> PoseSearch::step(Meter& meter) {
     begun_ = true;
   }
   if (!covered_) return SearchEnd{StopReason::kExhausted, "the problem has no poses that could be solved for", {}};
-  if (std::optional<SearchEnd> end = over(meter)) return end;
+  if (std::optional<SearchEnd> end = pointless(meter, problem_)) return end;
   // Half of the work goes into what is new, half into what was found, once there is something.
   const bool tried = !elites_.empty() && improved_ < explored_ ? improve(meter) : explore(meter);
   if (meter.stopped()) return SearchEnd{};
@@ -57,23 +57,6 @@ std::optional<SearchEnd> PoseSearch::step(Meter& meter) {
 double PoseSearch::to_beat(const Meter& meter) const {
   const double best = score_to_beat(meter);
   return best > -kInfinity ? best : std::min(floor_, belief_.greatest_bound() - 1.0);
-}
-
-// Nothing better is left, by the bounds of the problem.
-std::optional<SearchEnd> PoseSearch::over(const Meter& meter) const {
-  double bound = -kInfinity;
-  std::string reason;
-  for (int n = 1; n < problem_.max_modules(); ++n) {
-    const Optimism optimism = problem_.optimism_of_length(n);
-    bound = std::max(bound, optimism.score);
-    if (optimism.score == -kInfinity) reason = optimism.reason;
-  }
-  if (bound == -kInfinity) return SearchEnd{StopReason::kUnreachable, reason, Bound{bound, "reach"}};
-  if (bound <= score_to_beat(meter)) {
-    return SearchEnd{StopReason::kOptimal, "no other can beat the best by its bound",
-                     Bound{bound, "modules, mass by reach"}};
-  }
-  return std::nullopt;
 }
 
 bool PoseSearch::explore(Meter& meter) {

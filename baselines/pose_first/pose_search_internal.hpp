@@ -41,7 +41,6 @@ class PoseSearch final : public Search {
   };
 
   [[nodiscard]] double to_beat(const Meter& meter) const;
-  [[nodiscard]] std::optional<SearchEnd> over(const Meter& meter) const;
   bool explore(Meter& meter);
   bool improve(Meter& meter);
   /// What came of a try.

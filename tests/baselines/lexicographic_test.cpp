@@ -110,5 +110,13 @@ TEST(Pointless, SeesAPointWhereTheBoundIsHigher) {
   EXPECT_FALSE(pointless(meter, problem).has_value());
 }
 
+TEST(RoundedUp, IsNeverLessThanTheBound) {
+  EXPECT_EQ(rounded_up(338.43909250), "338.44");
+  EXPECT_EQ(rounded_up(-12.34567891), "-12.3456");
+  EXPECT_EQ(rounded_up(100.0), "100");
+  EXPECT_EQ(rounded_up(0.0), "0");
+  EXPECT_EQ(rounded_up(std::numeric_limits<double>::infinity()), "inf");
+}
+
 }  // namespace
 }  // namespace modsearch
