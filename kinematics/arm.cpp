@@ -18,6 +18,13 @@ std::optional<double> impossible_size(const AffineShape& shape, const Eigen::Vec
   return std::nullopt;
 }
 
+bool varies(const ParametricPose& X) { return !X.affine() || !X.head.translation.terms.empty(); }
+
+bool varies(const BodyGeometry& geometry) {
+  return varies(geometry.X_FG) || std::any_of(geometry.shape.size.begin(), geometry.shape.size.end(),
+                                              [](const AffineScalar& size) { return !size.terms.empty(); });
+}
+
 // Both work on whole columns of the 4 x 4 matrices: four numbers make two vector instructions, three make none, and the
 // last row comes out right by itself.
 
@@ -49,15 +56,23 @@ void compose(const Eigen::Isometry3d& X_AB, const Eigen::Isometry3d& X_BC, bool 
 Arm::Arm(const Chain& chain, const Eigen::VectorXd& x) : chain_{&chain} {
   segments_.resize(static_cast<std::size_t>(chain.n_joints()) + 1, Eigen::Isometry3d::Identity());
   segment_rotates_.resize(segments_.size());
+  for (int j = 0; j <= chain.n_joints(); ++j) segment_varies_.push_back(varies(chain.segment(j)));
   for (std::size_t b = 0; b < chain.bodies().size(); ++b) {
     for (std::size_t g = 0; g < chain.bodies()[b].geometries.size(); ++g) {
       geometries_.push_back({static_cast<int>(b), chain.bodies()[b].frame, {}, Eigen::Isometry3d::Identity(), 0.0});
+      geometry_varies_.push_back(varies(chain.bodies()[b].geometries[g]));
     }
   }
-  set_parameters(x);
+  take(x);
+  fill(true);
 }
 
 void Arm::set_parameters(const Eigen::VectorXd& x) {
+  take(x);
+  fill(false);
+}
+
+void Arm::take(const Eigen::VectorXd& x) {
   if (x.size() != chain_->n_parameters()) {
     throw std::invalid_argument(
         fmt::format("Arm: {} parameters given, the chain has {}", x.size(), chain_->n_parameters()));
@@ -67,21 +82,27 @@ void Arm::set_parameters(const Eigen::VectorXd& x) {
     throw std::invalid_argument(fmt::format("Arm: parameter {} is {}", bad - x.begin(), *bad));
   }
   x_ = x;
+}
+
+void Arm::fill(bool all) {
   for (int j = 0; j <= n_joints(); ++j) {
+    if (!all && segment_varies_[static_cast<std::size_t>(j)] == 0) continue;
     Eigen::Isometry3d& X = segments_[static_cast<std::size_t>(j)];
-    X = chain_->segment(j).at(x);
+    X = chain_->segment(j).at(x_);
     segment_rotates_[static_cast<std::size_t>(j)] = X.linear() != Eigen::Matrix3d::Identity();
   }
   std::size_t index = 0;
   for (const Body& body : chain_->bodies()) {
     for (const BodyGeometry& geometry : body.geometries) {
-      ArmGeometry& filled = geometries_[index++];
-      filled.shape = geometry.shape.at(x);
-      if (const std::optional<double> size = impossible_size(geometry.shape, x)) {
+      const std::size_t g = index++;
+      if (!all && geometry_varies_[g] == 0) continue;
+      ArmGeometry& filled = geometries_[g];
+      filled.shape = geometry.shape.at(x_);
+      if (const std::optional<double> size = impossible_size(geometry.shape, x_)) {
         throw std::invalid_argument(
             fmt::format("Arm: body '{}' has a size of {} m at the given parameters", body.name, *size));
       }
-      filled.X_FG = geometry.X_FG.at(x);
+      filled.X_FG = geometry.X_FG.at(x_);
       filled.bounding_radius = bounding_radius(filled.shape);
     }
   }

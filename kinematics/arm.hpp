@@ -63,11 +63,18 @@ class Arm {
   [[nodiscard]] double reach() const;
 
  private:
+  /// Throws std::invalid_argument for parameters that are not the chain's, or not finite.
+  void take(const Eigen::VectorXd& x);
+  /// Works out what depends on the parameters; `all`: and what does not.
+  void fill(bool all);
+
   const Chain* chain_;
   Eigen::VectorXd x_;
   std::vector<Eigen::Isometry3d> segments_;  // [n_joints + 1]
   std::vector<char> segment_rotates_;        // [n_joints + 1]; many do not: links, and hinges in a row
+  std::vector<char> segment_varies_;         // [n_joints + 1], with the parameters
   std::vector<ArmGeometry> geometries_;
+  std::vector<char> geometry_varies_;  // [n_geometries]; most do not: housings of drives, flanges
 };
 
 }  // namespace modsearch

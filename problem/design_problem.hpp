@@ -39,10 +39,16 @@ class EvaluationError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// How far inside its limits a relaxation stays, so that its optimum is still achieved after rounding.
+/// How far inside its limits a relaxation stays, so that its optimum is still achieved after rounding, and which of its
+/// rows it has from the beginning.
 struct Relaxation {
   double tolerance_margin = 1e-7;  ///< off the tolerance of a pose [m or rad]: ten times what inner solvers leave open
   double clearance_margin = 1e-6;  ///< least clearance asked for [m]
+  /// Rows of clearance are left out as long as they hold by more than this [m] (SmoothProgram::grow). KNEAR
+  double near = 0.02;
+  bool all_rows = false;  ///< nothing is left out: for comparison; the answers are the same
+  /// So many poses of a trajectory have a posture of their own, evenly spread; 0: the task's goals, its knots.
+  int knots = 0;
 };
 
 /// What can be said of a type sequence before anything is optimised.
@@ -82,7 +88,8 @@ class DesignProblem {
   [[nodiscard]] Evaluation evaluate(const Design& design, Fidelity fidelity = Fidelity::kFull,
                                     const Witness& witness = {}) const;
 
-  /// The smooth relaxation for a fixed type sequence, or null where there is none.
+  /// The smooth relaxation for a fixed type sequence, or null where there is none. It may leave out rows until they
+  /// matter: `minimise` takes care of that, and whoever works with the program itself calls its `grow`.
   [[nodiscard]] virtual std::unique_ptr<SmoothProgram> relax(std::span<const int> types,
                                                              const Relaxation& relaxation = {}) const;
   /// The poses of all goals for a fixed type sequence, or null where the problem has no such thing.

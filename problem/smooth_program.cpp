@@ -46,6 +46,11 @@ Eigen::MatrixXd SmoothProgram::hessian(const Eigen::VectorXd& v, double objectiv
   return do_hessian(v, objective_factor, multipliers);
 }
 
+int SmoothProgram::grow(const Eigen::VectorXd& v) {
+  check_point("grow", v, n_variables());
+  return do_grow(v);
+}
+
 double SmoothProgram::violation(const Eigen::VectorXd& v, const Eigen::VectorXd& c) const {
   if (v.size() != n_variables() || c.size() != n_rows()) {
     throw std::invalid_argument(fmt::format("SmoothProgram::violation: v has {} entries of {}, c {} of {}", v.size(),

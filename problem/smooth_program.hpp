@@ -47,6 +47,14 @@ class SmoothProgram {
   [[nodiscard]] Eigen::MatrixXd hessian(const Eigen::VectorXd& v, double objective_factor,
                                         const Eigen::VectorXd& multipliers);
 
+  /// A program may leave out rows that hold with room to spare, such as those of bodies that are far apart. Adds,
+  /// behind the rows there are, those left out that do not hold at `v` [n] or hold by less than the program's margin;
+  /// returns how many. Where it returns 0, every row left out holds: only then do `violation` and multipliers speak of
+  /// the whole program. A program that leaves nothing out returns 0. Throws like evaluate.
+  int grow(const Eigen::VectorXd& v);
+  /// Leaves out again whatever `grow` added: a solve begins with it, so that equal inputs give equal answers.
+  void shrink() { do_shrink(); }
+
   /// Largest violation of bounds, rows and balls, in the rows' own units, at rows `c` [m] of point `v` [n]; 0 where all
   /// hold, +inf where a number is NaN. Throws std::invalid_argument for other sizes.
   [[nodiscard]] double violation(const Eigen::VectorXd& v, const Eigen::VectorXd& c) const;
@@ -66,12 +74,15 @@ class SmoothProgram {
   virtual void do_evaluate(const Eigen::VectorXd& v, Values& values) = 0;
   [[nodiscard]] virtual Eigen::MatrixXd do_hessian(const Eigen::VectorXd& v, double objective_factor,
                                                    const Eigen::VectorXd& multipliers) = 0;
+  [[nodiscard]] virtual int do_grow(const Eigen::VectorXd& /*v*/) { return 0; }
+  virtual void do_shrink() {}
 };
 
 /// The same program with intervals only: each ball of radius R gets a variable u in [-1, 1]^count, rows c - R u = 0 and
 /// a row |u|^2 <= 1. Better conditioned than |c|^2 <= R^2: the pose rows stay nearly linear, whatever the tolerance.
 /// Where it can be simpler it is: a ball of radius 0 is rows c = 0 without u, and a single row needs no |u|^2 <= 1.
-/// Variables are (inner variables, u of the first ball, ..), rows (inner rows, |u|^2 of the first ball, ..).
+/// Variables are (inner variables, u of the first ball, ..), rows (inner rows, |u|^2 of the first ball, ..): those that
+/// the inner program has when this one is made.
 class BallsAsRows final : public SmoothProgram {
  public:
   /// `inner` must outlive it.

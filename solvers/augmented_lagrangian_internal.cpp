@@ -24,21 +24,23 @@ void project_out_of_ball(Vector&& y, double radius) {
 }  // namespace
 
 AugmentedLagrangian::AugmentedLagrangian(SmoothProgram& program, const InnerOptions& options, Meter& meter, double rho)
-    : program_{program},
-      options_{options},
-      meter_{meter},
-      n_{program.n_variables()},
-      m_{program.n_rows()},
-      in_ball_(static_cast<std::size_t>(m_), false),
-      lambda_{Eigen::VectorXd::Zero(m_)},
-      rho_{rho},
-      weighted_(m_, n_) {
+    : program_{program}, options_{options}, meter_{meter}, n_{program.n_variables()}, rho_{rho} {
+  fit_rows();
   for (const BallRows& ball : program.balls()) std::fill_n(in_ball_.begin() + ball.first, ball.count, true);
+}
+
+// Rows that the program got lately have no multiplier yet.
+void AugmentedLagrangian::fit_rows() {
+  const Eigen::Index before = lambda_.size(), m = program_.n_rows();
+  lambda_.conservativeResize(m);
+  if (m > before) lambda_.tail(m - before).setZero();
+  in_ball_.resize(static_cast<std::size_t>(m), false);
 }
 
 bool AugmentedLagrangian::evaluate(AugmentedPoint& point) {
   ++evaluations_;
   meter_.count_program(1);
+  if (program_.grow(point.v) > 0) fit_rows();
   program_.evaluate(point.v, point.values);
   augment(point);
   if (!std::isfinite(point.phi) || !point.gradient.allFinite() || !point.values.jacobian.allFinite()) return false;
@@ -49,9 +51,9 @@ bool AugmentedLagrangian::evaluate(AugmentedPoint& point) {
 // Everything that depends on lambda and rho, from values that are there.
 void AugmentedLagrangian::augment(AugmentedPoint& point) const {
   const Eigen::VectorXd& c = point.values.rows;
-  point.excess.resize(m_);
+  point.excess.resize(c.size());
   point.violation = 0.0;
-  for (Eigen::Index i = 0; i < m_; ++i) {
+  for (Eigen::Index i = 0; i < c.size(); ++i) {
     const double low = program_.row_lower()[i], high = program_.row_upper()[i];
     const double y = c[i] + lambda_[i] / rho_;
     point.excess[i] = y - std::clamp(y, low, high);
@@ -74,26 +76,35 @@ void AugmentedLagrangian::augment(AugmentedPoint& point) const {
 // Outside a ball of radius R, with n = y / |y|: I - dP/dy = n n^T + (1 - R / |y|) (I - n n^T).
 void AugmentedLagrangian::hessian(const AugmentedPoint& point, Eigen::MatrixXd& H) {
   const Eigen::MatrixXd& J = point.values.jacobian;
-  multipliers_ = rho_ * point.excess;
+  multipliers_.setZero(lambda_.size());
+  multipliers_.head(point.excess.size()) = rho_ * point.excess;
   H = program_.hessian(point.v, 1.0, multipliers_);
   if (!H.allFinite()) H.setZero(n_, n_);  // what is left is Gauss-Newton's
-  for (Eigen::Index i = 0; i < m_; ++i) {
-    if (in_ball_[static_cast<std::size_t>(i)]) continue;
-    const bool active = point.excess[i] != 0.0 || program_.row_lower()[i] == program_.row_upper()[i];
-    weighted_.row(i) = (active ? rho_ : 0.0) * J.row(i);
-  }
   for (const BallRows& ball : program_.balls()) {
     const auto excess = point.excess.segment(ball.first, ball.count);
     const double outside = excess.norm();  // |y| - R
+    if (outside == 0.0 && ball.radius > 0.0) continue;
     const double across = ball.radius > 0.0 ? outside / (outside + ball.radius) : 1.0;
     const double along = outside > 0.0 ? (1.0 - across) / (outside * outside) : 0.0;
+    const auto rows = J.middleRows(ball.first, ball.count);
+    weighted_.resize(ball.count, n_);
     for (Eigen::Index j = 0; j < n_; ++j) {
-      const auto column = J.col(j).segment(ball.first, ball.count);
-      weighted_.col(j).segment(ball.first, ball.count) = rho_ * (across * column + along * excess.dot(column) * excess);
+      const auto column = rows.col(j);
+      weighted_.col(j) = rho_ * (across * column + along * excess.dot(column) * excess);
+    }
+    for (Eigen::Index j = 0; j < n_; ++j) {
+      if (rows.col(j).isZero(0.0)) continue;  // a variable of another goal
+      for (Eigen::Index i = j; i < n_; ++i) H(i, j) += rows.col(i).dot(weighted_.col(j));
     }
   }
-  for (Eigen::Index j = 0; j < n_; ++j) {
-    for (Eigen::Index i = j; i < n_; ++i) H(i, j) += J.col(i).dot(weighted_.col(j));
+  for (Eigen::Index row = 0; row < point.excess.size(); ++row) {
+    const bool active = point.excess[row] != 0.0 || program_.row_lower()[row] == program_.row_upper()[row];
+    if (!active || in_ball_[static_cast<std::size_t>(row)]) continue;
+    for (Eigen::Index j = 0; j < n_; ++j) {
+      const double slope = rho_ * J(row, j);
+      if (slope == 0.0) continue;
+      for (Eigen::Index i = j; i < n_; ++i) H(i, j) += J(row, i) * slope;
+    }
   }
 }
 
@@ -110,13 +121,14 @@ double AugmentedLagrangian::gradient_tolerance() const {
 }
 
 double AugmentedLagrangian::shift(const AugmentedPoint& point) const {
-  return (point.excess - lambda_ / rho_).lpNorm<Eigen::Infinity>();
+  return (point.excess - lambda_.head(point.excess.size()) / rho_).lpNorm<Eigen::Infinity>();
 }
 
 bool AugmentedLagrangian::nearest_to_feasible(const AugmentedPoint& point) const {
   if (point.violation <= 1e3 * options_.tolerance) return false;
   const Eigen::VectorXd& c = point.values.rows;
-  Eigen::VectorXd distance = c - c.cwiseMax(program_.row_lower()).cwiseMin(program_.row_upper());
+  Eigen::VectorXd distance =
+      c - c.cwiseMax(program_.row_lower().head(c.size())).cwiseMin(program_.row_upper().head(c.size()));
   for (const BallRows& ball : program_.balls()) {
     distance.segment(ball.first, ball.count) = c.segment(ball.first, ball.count);
     project_out_of_ball(distance.segment(ball.first, ball.count), ball.radius);
@@ -125,7 +137,7 @@ bool AugmentedLagrangian::nearest_to_feasible(const AugmentedPoint& point) const
 }
 
 void AugmentedLagrangian::update(AugmentedPoint& point, double rho) {
-  lambda_ = rho_ * point.excess;
+  lambda_.head(point.excess.size()) = rho_ * point.excess;
   rho_ = rho;
   augment(point);
 }

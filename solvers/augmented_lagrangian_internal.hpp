@@ -5,7 +5,8 @@
 
 namespace modsearch {
 
-/// What the augmented Lagrangian is made of at one point.
+/// What the augmented Lagrangian is made of at one point. Where the program has grown since, the point has fewer rows:
+/// those it lacks hold there, and their multipliers are 0.
 struct AugmentedPoint {
   Eigen::VectorXd v;
   SmoothProgram::Values values;
@@ -21,6 +22,9 @@ struct AugmentedPoint {
 ///
 /// to be minimised within the bounds for lambda <- rho (y - P(y)), again and again (Hestenes 1969 and Powell 1969;
 /// Rockafellar 1973 for sets). A ball is projected onto as it is, and nothing is singular at its centre.
+///
+/// A row that holds and has no multiplier has no part in phi. So the program grows at every point that is looked at,
+/// and phi is that of all rows: its value, its derivatives and the way the search takes are those without leaving out.
 class AugmentedLagrangian {
  public:
   /// All three must outlive it.
@@ -59,19 +63,21 @@ class AugmentedLagrangian {
 
  private:
   void augment(AugmentedPoint& point) const;
+  void fit_rows();
   [[nodiscard]] double largest(const AugmentedPoint& point, const Eigen::VectorXd& g) const;
 
   SmoothProgram& program_;
   const InnerOptions& options_;
   Meter& meter_;
-  Eigen::Index n_, m_;
+  Eigen::Index n_;
   std::vector<bool> in_ball_;
-  Eigen::VectorXd lambda_;
+  Eigen::VectorXd lambda_;  // [n_rows of the program]
   double rho_;
   std::int64_t evaluations_ = 0;
   BestPoint best_;
-  Eigen::VectorXd multipliers_;  // storage of hessian()
-  Eigen::MatrixXd weighted_;     // rho (I - dP/dy) J
+  // Storage of hessian().
+  Eigen::VectorXd multipliers_;
+  Eigen::MatrixXd weighted_;  // rho (I - dP/dy) J of a ball
 };
 
 /// Minimises phi within the bounds, for the method of multipliers.

@@ -69,6 +69,39 @@ InnerResult dispatch(Inner inner, SmoothProgram& program, const Eigen::VectorXd&
   throw std::invalid_argument("minimise: no such inner solver");
 }
 
+// What the program with the rows it has got since says of `result`.
+void judge_again(InnerResult& result, SmoothProgram& program, const InnerOptions& options, Meter& meter) {
+  ++result.evaluations;
+  meter.count_program(1);
+  SmoothProgram::Values values;
+  program.evaluate(result.v, values);
+  result.violation = program.violation(result.v, values.rows);
+  if (result.violation > options.tolerance && result.status == InnerStatus::kConverged) {
+    result.status = InnerStatus::kInfeasible;
+  }
+}
+
+// Solves with the rows that the program has near the start, then lets it look at those it left out, and solves again
+// from there with the rows that this added. Every round adds a row, so that there is a last one.
+InnerResult minimise_growing(Inner inner, SmoothProgram& program, Eigen::VectorXd start, const InnerOptions& options,
+                             Meter& meter) {
+  const bool fixed = (program.lower().array() == program.upper().array()).all();
+  program.shrink();
+  (void)program.grow(start);
+  for (std::int64_t evaluations = 0;;) {
+    InnerResult result =
+        fixed ? only_point(program, start, options, meter) : dispatch(inner, program, start, options, meter);
+    evaluations += result.evaluations;
+    result.evaluations = evaluations;
+    if (result.v.size() != start.size() || program.grow(result.v) == 0) return result;
+    if (meter.stopped()) {
+      judge_again(result, program, options, meter);
+      return result;
+    }
+    start = result.v;
+  }
+}
+
 }  // namespace
 
 std::string_view name(Inner inner) {
@@ -114,9 +147,7 @@ InnerResult minimise(Inner inner, SmoothProgram& program, const Eigen::VectorXd&
                       .objective = std::numeric_limits<double>::infinity(),
                       .violation = std::numeric_limits<double>::infinity()};
   if (meter.stopped()) return nothing;
-  const bool fixed = (program.lower().array() == program.upper().array()).all();
-  InnerResult result =
-      fixed ? only_point(program, inside, options, meter) : dispatch(inner, program, inside, options, meter);
+  InnerResult result = minimise_growing(inner, program, inside, options, meter);
   if (result.v.size() == inside.size()) return result;
   // The program was not a number anywhere it was tried: the start has to do for a point.
   nothing.status = result.status == InnerStatus::kStopped ? InnerStatus::kStopped : InnerStatus::kFailed;

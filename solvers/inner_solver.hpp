@@ -57,6 +57,10 @@ struct InnerResult {
 /// evaluations in `meter` and stops when it says so. NaN from the program makes a step fail, never a wrong answer; an
 /// exception from the program comes out of here as it is. Ipopt runs under one process-wide lock: Debian's linear
 /// solver is not thread-safe.
+///
+/// A program that leaves out rows is solved with those near the start, and again from the answer as long as it has
+/// others to add there: the answer is one of the program with all rows. `own` and `ceres` let it grow on the way
+/// instead. Limits on iterations and evaluations hold for each of these solves.
 [[nodiscard]] InnerResult minimise(Inner inner, SmoothProgram& program, const Eigen::VectorXd& start,
                                    const InnerOptions& options, Meter& meter);
 

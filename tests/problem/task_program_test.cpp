@@ -15,8 +15,9 @@ Eigen::VectorXd random_point(const SmoothProgram& program, Rng& rng) {
   return v;
 }
 
-// Central differences of rows and objective against the exact first derivatives at random points. Rows of clearance have
-// kinks (two faces equally close): a point where the one-sided differences disagree says nothing and is passed over.
+// Central differences of rows and objective against the exact first derivatives at random points. Rows of clearance
+// have kinks (two faces equally close): a point where the one-sided differences disagree says nothing and is passed
+// over.
 void expect_exact_gradients(SmoothProgram& program, int points, Rng& rng) {
   constexpr double kStep = 1e-6;
   SmoothProgram::Values at, ahead, behind;
@@ -96,10 +97,9 @@ TEST(TaskProgram, HasExactDerivativesForBallGoals) {
 
 TEST(TaskProgram, HasExactDerivativesForEveryProjection) {
   RobotProblemSpec spec = spec_of("seed/fixed");
-  for (const Projection projection :
-       {Projection::kX, Projection::kY, Projection::kZ, Projection::kRCyl, Projection::kPhiCyl, Projection::kRSph,
-        Projection::kTheta, Projection::kPhiSph, Projection::kNx, Projection::kNy, Projection::kNz,
-        Projection::kThetaR}) {
+  for (const Projection projection : {Projection::kX, Projection::kY, Projection::kZ, Projection::kRCyl,
+                                      Projection::kPhiCyl, Projection::kRSph, Projection::kTheta, Projection::kPhiSph,
+                                      Projection::kNx, Projection::kNy, Projection::kNz, Projection::kThetaR}) {
     for (const double lower : {0.0, 0.02}) {  // from zero: a ball where there is one; else an interval
       SCOPED_TRACE(std::string{name(projection)});
       spec.task = std::make_shared<GoalTask>(
@@ -115,17 +115,117 @@ TEST(TaskProgram, HasExactDerivativesForEveryProjection) {
 TEST(TaskProgram, HasAnExactHessianForPoseGoals) {
   RobotProblemSpec spec = spec_of("seed/fixed");
   spec.task = std::make_shared<GoalTask>(
-      "two poses",
-      std::vector<Goal>{pose_goal({{Projection::kRSph, 0.0, 0.01, Eigen::Matrix3d::Identity()},
-                                   {Projection::kThetaR, 0.0, 0.1, Eigen::Matrix3d::Identity()}}),
-                        pose_goal({{Projection::kX, -0.01, 0.01, Eigen::Matrix3d::Identity()},
-                                   {Projection::kRCyl, 0.0, 0.01, Eigen::Matrix3d::Identity()}})});
+      "two poses", std::vector<Goal>{pose_goal({{Projection::kRSph, 0.0, 0.01, Eigen::Matrix3d::Identity()},
+                                                {Projection::kThetaR, 0.0, 0.1, Eigen::Matrix3d::Identity()}}),
+                                     pose_goal({{Projection::kX, -0.01, 0.01, Eigen::Matrix3d::Identity()},
+                                                {Projection::kRCyl, 0.0, 0.01, Eigen::Matrix3d::Identity()}})});
   const RobotProblem problem{spec};
   TaskProgram program{problem, types(spec, {"hinge", "rotary"}), {}};
   EXPECT_EQ(program.n_variables(), 4 + 3 + 3);
   Rng rng{3};
   expect_exact_gradients(program, 10, rng);
   expect_exact_hessian(program, 5, rng);
+}
+
+TEST(TaskProgram, HasAnExactHessianForEveryProjection) {
+  RobotProblemSpec spec = spec_of("seed/fixed");
+  Rng rng{7};
+  for (const Projection projection : {Projection::kX, Projection::kY, Projection::kZ, Projection::kRCyl,
+                                      Projection::kPhiCyl, Projection::kRSph, Projection::kTheta, Projection::kPhiSph,
+                                      Projection::kNx, Projection::kNy, Projection::kNz, Projection::kThetaR}) {
+    for (const double lower : {0.0, 0.02}) {
+      SCOPED_TRACE(std::string{name(projection)});
+      const Eigen::Matrix3d R_TN = Eigen::AngleAxisd{0.4, Eigen::Vector3d{2.0, -1.0, 1.0}.normalized()}.matrix();
+      spec.task = std::make_shared<GoalTask>("pose", std::vector<Goal>{pose_goal({{projection, lower, 0.1, R_TN}})});
+      const RobotProblem problem{spec};
+      TaskProgram program{problem, types(spec, {"rotary", "hinge"}), {}};
+      expect_exact_hessian(program, 4, rng);
+    }
+  }
+}
+
+// Close to the nominal orientation the curvature comes from a series.
+TEST(TaskProgram, HasAnExactHessianCloseToTheNominalOrientation) {
+  RobotProblemSpec spec = spec_of("seed/fixed");
+  const RobotProblem any{spec};
+  const std::vector<int> sequence = types(spec, {"rotary", "hinge"});
+  Rng rng{8};
+  for (const double angle : {0.0, 1e-3, 0.09, 0.11}) {
+    TaskProgram draws{any, sequence, {}};
+    const Eigen::VectorXd v = random_point(draws, rng);
+    const std::shared_ptr<const Chain> chain = any.chain(sequence);
+    const Arm arm = chain->at(v.head(4));
+    Eigen::Isometry3d X_WN = arm.forward(v.tail(3)).tip;
+    X_WN.linear() =
+        X_WN.linear() * Eigen::AngleAxisd{angle, Eigen::Vector3d{1.0, 2.0, -2.0}.normalized()}.toRotationMatrix();
+    spec.task = std::make_shared<GoalTask>(
+        "pose", std::vector<Goal>{{"1", GoalType::kReach,
+                                   PoseRegion{X_WN, {{Projection::kThetaR, 0.0, 0.1, Eigen::Matrix3d::Identity()}}}}});
+    const RobotProblem problem{spec};
+    TaskProgram program{problem, sequence, {}};
+    const Eigen::Vector3d multipliers{0.3, -0.8, 0.5};
+    const Eigen::MatrixXd H = program.hessian(v, 1.0, multipliers);
+    SmoothProgram::Values ahead, behind;
+    constexpr double kStep = 1e-6;
+    for (Eigen::Index i = 0; i < v.size(); ++i) {
+      program.evaluate(v + kStep * Eigen::VectorXd::Unit(v.size(), i), ahead);
+      program.evaluate(v - kStep * Eigen::VectorXd::Unit(v.size(), i), behind);
+      const Eigen::VectorXd column = (ahead.jacobian - behind.jacobian).transpose() * multipliers / (2.0 * kStep);
+      EXPECT_LE((column - H.col(i)).cwiseAbs().maxCoeff(), 1e-8);  // rounding: 1e-16 / 1e-6
+    }
+  }
+}
+
+// Of the rows of clearance that the whole program has, those are there that are below the two margins; each row holds
+// what the whole program's does.
+TEST(TaskProgram, LeavesOutRowsOfPairsThatAreFarApart) {
+  RobotProblemSpec spec = spec_of("seed/random_obstacles");
+  spec.level = Level::kPostureSelf;
+  const RobotProblem problem{spec};
+  const std::vector<int> sequence = types(problem.spec(), {"hinge", "rotary", "hinge"});
+  const Relaxation relaxation{.clearance_margin = 0.01, .near = 0.05};
+  Relaxation whole = relaxation;
+  whole.all_rows = true;
+  TaskProgram all{problem, sequence, whole};
+  TaskProgram some{problem, sequence, relaxation};
+  EXPECT_EQ(some.n_rows(), 3);
+  EXPECT_GT(all.n_rows(), 3);
+  Rng rng{9};
+  SmoothProgram::Values values_all, values_some;
+  int left_out = 0, looked_at = 0;
+  for (int n = 0; n < 50; ++n) {
+    const Eigen::VectorXd v = random_point(all, rng);
+    all.evaluate(v, values_all);
+    std::vector<double> near;
+    for (Eigen::Index row = 3; row < all.n_rows(); ++row) {
+      EXPECT_EQ(all.row_lower()[row], 0.01);
+      if (values_all.rows[row] < 0.01 + 0.05) near.push_back(values_all.rows[row]);
+    }
+    some.shrink();
+    EXPECT_EQ(some.n_rows(), 3);
+    EXPECT_EQ(some.grow(v), static_cast<int>(near.size()));
+    EXPECT_EQ(some.grow(v), 0);
+    some.evaluate(v, values_some);
+    ASSERT_EQ(values_some.rows.size(), 3 + static_cast<Eigen::Index>(near.size()));
+    std::vector<double> rows(values_some.rows.begin() + 3, values_some.rows.end());
+    std::sort(rows.begin(), rows.end());
+    std::sort(near.begin(), near.end());
+    EXPECT_EQ(rows, near);
+    EXPECT_EQ(some.violation(v, values_some.rows), all.violation(v, values_all.rows));
+    looked_at += all.n_rows() - 3;
+    left_out += all.n_rows() - some.n_rows();
+  }
+  EXPECT_GT(left_out, looked_at / 2);
+}
+
+TEST(TaskProgram, HasNothingToLeaveOutWhereBodiesAreNotCompared) {
+  RobotProblemSpec spec = spec_of("seed/random_obstacles");
+  spec.level = Level::kNone;
+  const RobotProblem problem{spec};
+  TaskProgram program{problem, types(problem.spec(), {"hinge", "hinge"}), {}};
+  Rng rng{10};
+  EXPECT_EQ(program.grow(random_point(program, rng)), 0);
+  EXPECT_EQ(program.n_rows(), 3);
 }
 
 TEST(TaskProgram, HasExactGradientsOfClearance) {
@@ -167,7 +267,7 @@ TEST(TaskProgram, HasExactDerivativesInATwist) {
                                            {Projection::kThetaR, 0.0, 0.1, Eigen::Matrix3d::Identity()},
                                            {Projection::kNz, -0.1, 0.1, Eigen::Matrix3d::Identity()}})});
   const RobotProblem problem{spec};
-  TaskProgram program{problem, types(spec, {"hinge", "link", "hinge"}), {}};
+  TaskProgram program{problem, types(spec, {"hinge", "link", "hinge"}), {.all_rows = true}};
   EXPECT_EQ(program.n_variables(), 2 + 2 + 2 + 3);
   Rng rng{6};
   expect_exact_gradients(program, 15, rng);
@@ -220,6 +320,26 @@ TEST(TaskProgram, TakesRowsThatATaskAddsItself) {
   EXPECT_EQ(values.rows[program.n_rows() - 1], v[2]);
   EXPECT_EQ(values.jacobian(program.n_rows() - 1, 2), 1.0);
   EXPECT_EQ(program.row_upper()[program.n_rows() - 1], kPi - 1.0);
+}
+
+// A straight line of 21 poses: 8 of them are the task's goals, and 21 are as many as there are.
+TEST(TaskProgram, TakesMorePosesOfATrajectoryThanTheTaskHasGoals) {
+  RobotProblemSpec spec = spec_of("seed/fixed");
+  Trajectory line;
+  for (int k = 0; k <= 20; ++k) line.poses.push_back(PoseRegion::ball({1.0, 0.02 * k, 1.0}, 0.001));
+  const FollowStep step = follow("line", line, 0);
+  spec.task = std::make_shared<GoalTask>(GoalTaskSpec{.name = "line", .goals = step.goals, .steps = {step.step}});
+  const RobotProblem problem{spec};
+  const std::vector<int> sequence = types(spec, {"rotary", "hinge"});
+  TaskProgram coarse{problem, sequence, {}};
+  EXPECT_EQ(coarse.n_variables(), 4 + 8 * 3);
+  EXPECT_EQ(coarse.n_rows(), 8 * 3 + 7 * 3);  // positions, and joints on the ways between
+  TaskProgram fine{problem, sequence, {.knots = 100}};
+  EXPECT_EQ(fine.n_variables(), 4 + 21 * 3);
+  ASSERT_EQ(fine.n_rows(), 21 * 3 + 20 * 3);
+  EXPECT_EQ(fine.row_upper()[fine.n_rows() - 1], FollowOptions{}.largest_step);  // from one pose to the next
+  Rng rng{12};
+  expect_exact_gradients(fine, 2, rng);
 }
 
 TEST(TaskProgram, DesignsStayWithinTheLibrarysIntervals) {

@@ -103,6 +103,31 @@ TEST_P(EveryInner, SaysThatNothingIsFeasible) {
   EXPECT_NEAR(result.violation, 1.0, 1e-6);  // x + y = 2 where 3 is asked for
 }
 
+TEST_P(EveryInner, FindsTheOptimumOfAProgramThatLeavesOutRows) {
+  LeavesOutRows program;
+  for (int again = 0; again < 2; ++again) {  // rows from the first time do not count the second time
+    const InnerResult result = solve(program, Eigen::Vector2d{0.1, 0.2});
+    expect_honest(program, result);
+    EXPECT_EQ(program.n_rows(), 2);
+    EXPECT_NEAR(result.objective, LeavesOutRows::kOptimum, 1e-6);
+    EXPECT_NEAR(result.v[0], 2.0 / 3.0, 1e-4);
+  }
+}
+
+TEST_P(EveryInner, JudgesByAllRowsWhereItIsStopped) {
+  for (int call = 1; call < 8; ++call) {
+    std::stop_source source;
+    LeavesOutRows program{[&](int now) {
+      if (now == call) source.request_stop();
+    }};
+    Meter meter{{}, {}, source.get_token()};
+    const InnerResult result = minimise(GetParam(), program, Eigen::Vector2d{0.1, 0.2}, {}, meter);
+    const double violation =
+        std::max({0.0, result.v[0] + 2.0 * result.v[1] - 2.0, 2.0 * result.v[0] + result.v[1] - 2.0});
+    EXPECT_NEAR(result.violation, violation, 1e-12);
+  }
+}
+
 TEST_P(EveryInner, KeepsFixedVariablesWhereTheyAre) {
   ArmProgram free = OneHinge::program();
   Wrapped program{free, {}};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -222,6 +223,58 @@ inline ArmProgram random_arm(int joints, unsigned seed, double shortest = 0.5, d
   spec.target = arm.tip(v);
   return ArmProgram{spec};
 }
+
+/// min -x - y over 0 <= x, y <= 2 with x + 2 y <= 2 and 2 x + y <= 2: f = -4/3 at (2/3, 2/3). Either row is left out
+/// until it holds by less than 0.1, if at all. `before`: called before each evaluation with its number.
+class LeavesOutRows final : public TestProgram {
+ public:
+  explicit LeavesOutRows(std::function<void(int call)> before = {}) : before_{std::move(before)} {
+    lower_ = Eigen::Vector2d::Zero();
+    upper_ = Eigen::Vector2d::Constant(2.0);
+  }
+  static constexpr double kOptimum = -4.0 / 3.0;
+
+ private:
+  static constexpr double kMargin = 0.1;
+  [[nodiscard]] static Eigen::Matrix2d slopes() { return (Eigen::Matrix2d{} << 1.0, 2.0, 2.0, 1.0).finished(); }
+
+  [[nodiscard]] int do_grow(const Eigen::VectorXd& v) override {
+    int added = 0;
+    for (int row = 0; row < 2; ++row) {
+      if (std::find(rows_.begin(), rows_.end(), row) != rows_.end() || slopes().row(row).dot(v) < 2.0 - kMargin)
+        continue;
+      rows_.push_back(row);
+      ++added;
+    }
+    fit();
+    return added;
+  }
+  void do_shrink() override {
+    rows_.clear();
+    fit();
+  }
+  void fit() {
+    row_lower_.setConstant(static_cast<Eigen::Index>(rows_.size()), -kInf);
+    row_upper_.setConstant(static_cast<Eigen::Index>(rows_.size()), 2.0);
+  }
+  void do_evaluate(const Eigen::VectorXd& v, Values& values) override {
+    if (before_) before_(++calls_);
+    values.objective = -v.sum();
+    values.gradient = -Eigen::Vector2d::Ones();
+    values.rows.resize(n_rows());
+    values.jacobian.resize(n_rows(), 2);
+    for (Eigen::Index i = 0; i < n_rows(); ++i) {
+      values.jacobian.row(i) = slopes().row(rows_[static_cast<std::size_t>(i)]);
+      values.rows[i] = values.jacobian.row(i).dot(v);
+    }
+  }
+  [[nodiscard]] Eigen::MatrixXd do_hessian(const Eigen::VectorXd&, double, const Eigen::VectorXd&) override {
+    return Eigen::Matrix2d::Zero();
+  }
+  std::function<void(int call)> before_;
+  int calls_ = 0;
+  std::vector<int> rows_;
+};
 
 /// Another program with something done before (`before`, given the number of the call) and after each evaluation.
 class Wrapped final : public SmoothProgram {
