@@ -42,6 +42,8 @@ std::vector<Fidelity> DesignProblem::stages() const {
 
 std::unique_ptr<SmoothProgram> DesignProblem::relax(std::span<const int>, const Relaxation&) const { return nullptr; }
 
+std::optional<Infeasibility> DesignProblem::infeasible() const { return std::nullopt; }
+
 Optimism DesignProblem::optimism(std::span<const int>) const { return {}; }
 
 Optimism DesignProblem::optimism_of_length(int) const { return {}; }
