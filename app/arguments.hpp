@@ -76,6 +76,7 @@ struct GenerateArguments {
   std::string family;
   int goals = 3;
   int boxes = 3;
+  bool free_ends = false;
   std::uint64_t seed = 0;
   int count = 100;
   std::filesystem::path out;

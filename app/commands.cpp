@@ -142,6 +142,9 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   if (solution.bound && std::isfinite(solution.bound->score)) {
     json["bound"] = {{"score", solution.bound->score}, {"reason", solution.bound->reason}};
   }
+  if (const std::optional<Infeasibility> infeasible = problem->infeasible()) {
+    json["infeasible"] = infeasibility_json(*infeasible);
+  }
   for (const Tally& tally : solution.tallies) json["tallies"][tally.what] = tally.count;
   if (record.target) json["target"] = {record.target->x(), record.target->y(), record.target->z()};
 

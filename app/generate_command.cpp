@@ -5,7 +5,8 @@
 
 namespace modsearch::app {
 Status generate(const GenerateArguments& arguments, const CommonArguments& common) {
-  const WhitmanTasks tasks{.goals = arguments.goals, .boxes = arguments.boxes};
+  WhitmanTasks tasks{.goals = arguments.goals, .boxes = arguments.boxes};
+  if (arguments.free_ends) tasks.free_ends = whitman_library();
   static_cast<void>(whitman_task(tasks, {}));  // says what is wrong before a folder is made
   make_folder(arguments.out);
   std::vector<std::string> written;

@@ -175,6 +175,8 @@ void describe(CLI::App& app, Arguments& a) {
       ->check(CLI::IsMember({"whitman"}));
   add_count(generate, "--goals", a.generate.goals, "goals of each task (default 3)");
   add_count(generate, "--boxes", a.generate.boxes, "boxes of each task (default 3)");
+  generate.add_flag("--free-ends", a.generate.free_ends,
+                    "draw goals again until some end effector is 5 mm free of the boxes there");
   add_seed(generate, a.generate.seed, "of the family (default 0)");
   add_count(generate, "--count", a.generate.count, "number of tasks (default 100)");
   generate.add_option("--out", a.generate.out, "folder for task_000.json, problem_000.json, ..")->required();

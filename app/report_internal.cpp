@@ -99,6 +99,18 @@ std::string verification_text(const Verification& verification) {
   return text;
 }
 
+nlohmann::ordered_json infeasibility_json(const Infeasibility& infeasibility) {
+  nlohmann::ordered_json json;
+  json["reason"] = infeasibility.reason;
+  if (infeasibility.goal >= 0) json["goal"] = infeasibility.goal_id;
+  if (infeasibility.obstacle >= 0) {
+    json["obstacle"] = infeasibility.obstacle_name;
+    json["module"] = infeasibility.module_id;
+    json["depth_m"] = infeasibility.depth;
+  }
+  return json;
+}
+
 std::string trace_csv(const std::vector<TracePoint>& trace) {
   std::string text = "evaluations,seconds,score,achieved\n";
   for (const TracePoint& point : trace) {

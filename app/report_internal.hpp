@@ -19,6 +19,9 @@ namespace modsearch::app {
 [[nodiscard]] nlohmann::ordered_json verification_json(const Verification& verification);
 [[nodiscard]] std::string verification_text(const Verification& verification);
 
+/// Why no design is achieved: reason, and goal, obstacle, module and depth where the proof is about these.
+[[nodiscard]] nlohmann::ordered_json infeasibility_json(const Infeasibility& infeasibility);
+
 /// The trace of a search as CSV with a header.
 [[nodiscard]] std::string trace_csv(const std::vector<TracePoint>& trace);
 

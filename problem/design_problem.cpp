@@ -44,6 +44,8 @@ std::unique_ptr<SmoothProgram> DesignProblem::relax(std::span<const int>, const 
 
 std::unique_ptr<PoseProgram> DesignProblem::pose_program(std::span<const int>) const { return nullptr; }
 
+std::optional<Infeasibility> DesignProblem::infeasible() const { return std::nullopt; }
+
 Optimism DesignProblem::optimism(std::span<const int>) const { return {}; }
 
 Optimism DesignProblem::optimism_of_length(int) const { return {}; }

@@ -6,6 +6,7 @@
 #include <modsearch/problem/pose_program.hpp>
 #include <modsearch/problem/scoring.hpp>
 #include <modsearch/problem/smooth_program.hpp>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -58,6 +59,19 @@ struct Optimism {
   std::string reason;  ///< why no design is achieved, in words; empty unless score is -inf
 };
 
+/// Why no design of a problem is achieved, where that is proved before anything is searched. Indices are -1, and names
+/// empty, where the proof is not about such a thing.
+struct Infeasibility {
+  std::string reason;  ///< in words, with goal, obstacle and modules
+  int goal = -1;       ///< index into the task's goals; -1: whatever the goals are
+  std::string goal_id{};
+  int obstacle = -1;  ///< index into the scene's obstacles: what is overlapped, by the module below
+  std::string obstacle_name{};
+  int module = -1;  ///< type of the library; -1: the base
+  std::string module_id{};
+  double depth = 0.0;  ///< how deep a point of the module is in the obstacle at least, wherever it may stand [m]
+};
+
 /// A search problem over designs: what every solver sees. Immutable and safe to share between threads: `evaluate` is a
 /// function of the design, with no seed, in any order, from any thread.
 class DesignProblem {
@@ -94,6 +108,8 @@ class DesignProblem {
                                                              const Relaxation& relaxation = {}) const;
   /// The poses of all goals for a fixed type sequence, or null where the problem has no such thing.
   [[nodiscard]] virtual std::unique_ptr<PoseProgram> pose_program(std::span<const int> types) const;
+  /// Whether it is proved that no design is achieved, and why; by default nothing is. Every solver looks at it first.
+  [[nodiscard]] virtual std::optional<Infeasibility> infeasible() const;
   /// An upper bound on the score of achieved designs with exactly these types; +inf where nothing is known.
   [[nodiscard]] virtual Optimism optimism(std::span<const int> types) const;
   /// The same for all designs of exactly `n` modules (without the base) at once.

@@ -40,6 +40,9 @@ struct Sampling {
 struct WhitmanTasks {
   int goals = 3;
   int boxes = 3;
+  /// Goals are drawn again until one of this library's end effectors, at the nominal pose, keeps clear of every box.
+  /// Null: they are taken as they come.
+  std::shared_ptr<const ModuleLibrary> free_ends{};
 };
 
 /// A problem file: one problem, or a distribution of instances.

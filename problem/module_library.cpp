@@ -396,6 +396,18 @@ std::optional<ModuleLibrary::Coupling> ModuleLibrary::coupling_after(const Coupl
   return Coupling{end.mate, end.gender};
 }
 
+ModuleLibrary::Passage ModuleLibrary::base_passage() const {
+  return {ground_end_.body, ground_end_.connector, base_end_.body, base_end_.connector};
+}
+
+std::optional<ModuleLibrary::Passage> ModuleLibrary::passage(const Coupling& free, int k) const {
+  const int e = entry({.mate = free.mate, .gender = free.gender}, k);
+  if (e < 0) return std::nullopt;
+  const End& in = ends_of(k)[static_cast<std::size_t>(e)];
+  const End& out = ends_of(k)[static_cast<std::size_t>(1 - e)];
+  return Passage{in.body, in.connector, out.body, out.connector};
+}
+
 std::optional<ModuleLibrary::End> ModuleLibrary::free_end(std::span<const int> types) const {
   End free = base_end_;
   for (const int k : types) {

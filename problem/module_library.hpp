@@ -124,11 +124,26 @@ class ModuleLibrary {
   /// The free end after a module of type `k` was joined to `free`; empty if it does not fit.
   [[nodiscard]] std::optional<Coupling> coupling_after(const Coupling& free, int k) const;
 
+  /// Which connectors of a module an arm goes through: indices of bodies, and of connectors within these.
+  struct Passage {
+    int entry_body = 0;
+    int entry_connector = 0;
+    int exit_body = 0;
+    int exit_connector = 0;
+    friend bool operator==(const Passage&, const Passage&) = default;
+  };
+  /// From the ground to the first module.
+  [[nodiscard]] Passage base_passage() const;
+  /// Through a module of type `k` that is joined to `free`; empty if it does not fit.
+  [[nodiscard]] std::optional<Passage> passage(const Coupling& free, int k) const;
+
   /// Types whose connectors fit the free end of base + `types`, in rising order.
   /// Throws std::invalid_argument if `types` do not fit in turn.
   [[nodiscard]] std::vector<int> successors(std::span<const int> types) const;
   /// Whether each type may follow the one before.
   [[nodiscard]] bool fits_together(std::span<const int> types) const;
+  /// A design has to end in one, see `complete`.
+  [[nodiscard]] bool has_end_effectors() const { return has_end_effectors_; }
   /// Nothing is missing: the design ends in an end effector, or the library has none.
   [[nodiscard]] bool complete(std::span<const int> types) const;
 

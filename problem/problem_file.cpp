@@ -42,12 +42,16 @@ Sampling read_sampling(const JsonCursor& cursor, const std::vector<Goal>& goals)
   return sampling;
 }
 
-WhitmanTasks read_whitman(const JsonCursor& cursor) {
+WhitmanTasks read_whitman(const JsonCursor& cursor, const std::shared_ptr<const ModuleLibrary>& library) {
   cursor.expect_keys({"whitman"});
   const JsonCursor given = cursor.at("whitman");
-  given.expect_keys({"goals", "boxes"});
-  const WhitmanTasks tasks{.goals = static_cast<int>(given.at("goals").integer(1, 20)),
-                           .boxes = static_cast<int>(given.at("boxes").integer(1, 20))};
+  given.expect_keys({"goals", "boxes", "freeEnds"});
+  WhitmanTasks tasks{.goals = static_cast<int>(given.at("goals").integer(1, 20)),
+                     .boxes = static_cast<int>(given.at("boxes").integer(1, 20))};
+  if (given.has("freeEnds") && given.at("freeEnds").boolean()) {
+    if (!library->has_end_effectors()) given.at("freeEnds").fail("the library has no end effector");
+    tasks.free_ends = library;
+  }
   return tasks;
 }
 
@@ -56,14 +60,14 @@ ProblemFile read_problem(const JsonCursor& cursor, const std::string& name) {
   static_cast<void>(cursor.at("modsearch").integer(1, 1));
   ProblemFile result;
   result.spec.name = name;
+  result.spec.library = read_library_of(cursor.at("library"), name);
   if (const std::optional<JsonCursor> sampling = cursor.find("sampling"); sampling && sampling->has("whitman")) {
-    result.whitman = read_whitman(*sampling);
+    result.whitman = read_whitman(*sampling, result.spec.library);
     if (cursor.has("task")) cursor.at("task").fail("the tasks are generated, so none may be given");
   }
   TaskFile task =
       result.whitman ? read_task_text(whitman_task(*result.whitman, {}), name) : read_task_of(cursor.at("task"));
   if (task.goals.empty()) cursor.at("task").fail("the task has no goals (limit: at least 1)");
-  result.spec.library = read_library_of(cursor.at("library"), name);
   result.spec.task = std::move(task.task);
   result.spec.scene = std::move(task.scene);
   result.spec.X_WB = task.X_WB;

@@ -77,6 +77,14 @@ double ModuleSpan::greatest_length() const {
   return total;
 }
 
+double ModuleSpan::best_rate() const {
+  double best = 0.0;
+  for (const Stretch& stretch : stretches) {
+    if (stretch.mass_rate > 0.0) best = std::max(best, stretch.length_rate / stretch.mass_rate);
+  }
+  return best;
+}
+
 ModuleSpan module_span(const ModuleType& module) {
   const int n = module.n_parameters();
   ModuleSpan span;
@@ -164,12 +172,34 @@ double position_slack(const PoseRegion& region) {
   return std::min(sphere, std::hypot(std::min(radial, std::hypot(axes[0], axes[1])), axes[2]));
 }
 
+Continuation any_of_types(std::span<const ModuleSpan> types, int more) {
+  if (more <= 0) return {};
+  // Each is taken as the lightest, the cheapest, the longest and the best to stretch at once.
+  Continuation each{.mass = types.empty() ? 0.0 : kInfinity, .cost = types.empty() ? 0.0 : kInfinity};
+  for (const ModuleSpan& type : types) {
+    each.greatest_length = std::max(each.greatest_length, type.greatest_length());
+    each.length = std::max(each.length, type.length);
+    each.mass = std::min(each.mass, type.mass);
+    each.cost = std::min(each.cost, type.cost);
+    each.best_rate = std::max(each.best_rate, type.best_rate());
+  }
+  return {.length = more * each.length,
+          .greatest_length = more * each.greatest_length,
+          .mass = more * each.mass,
+          .cost = more * each.cost,
+          .best_rate = each.best_rate};
+}
+
 ReachBound reach_bound(std::span<const ModuleSpan* const> modules, double distance) {
-  return reach_bound(modules, {}, 0, distance);
+  return reach_bound(modules, Continuation{}, distance);
 }
 
 ReachBound reach_bound(std::span<const ModuleSpan* const> modules, std::span<const ModuleSpan> types, int more,
                        double distance) {
+  return reach_bound(modules, any_of_types(types, more), distance);
+}
+
+ReachBound reach_bound(std::span<const ModuleSpan* const> modules, const Continuation& rest, double distance) {
   ReachBound result;
   double length = 0.0;
   std::vector<ModuleSpan::Stretch> stretches;  // only those that lengthen: the others have no place in the order below
@@ -180,25 +210,10 @@ ReachBound reach_bound(std::span<const ModuleSpan* const> modules, std::span<con
     std::copy_if(module->stretches.begin(), module->stretches.end(), std::back_inserter(stretches),
                  [](const ModuleSpan::Stretch& stretch) { return stretch.length_rate > 0.0; });
   }
-  if (more > 0) {
-    // Each of those to come is taken as the lightest, the longest and the best to stretch at once.
-    double greatest_length = 0.0;
-    double greatest_start = 0.0;
-    double least_mass = types.empty() ? 0.0 : kInfinity;
-    double best_rate = 0.0;  // most length per kilogram of any stretch
-    for (const ModuleSpan& type : types) {
-      greatest_length = std::max(greatest_length, type.greatest_length());
-      greatest_start = std::max(greatest_start, type.length);
-      least_mass = std::min(least_mass, type.mass);
-      for (const ModuleSpan::Stretch& stretch : type.stretches) {
-        if (stretch.mass_rate > 0.0) best_rate = std::max(best_rate, stretch.length_rate / stretch.mass_rate);
-      }
-    }
-    length += more * greatest_start;
-    result.least_mass += more * least_mass;
-    result.span += more * greatest_length;
-    if (best_rate > 0.0) stretches.push_back({.length_rate = best_rate, .mass_rate = 1.0, .range = kInfinity});
-  }
+  length += rest.length;
+  result.least_mass += rest.mass;
+  result.span += rest.greatest_length;
+  if (rest.best_rate > 0.0) stretches.push_back({.length_rate = rest.best_rate, .mass_rate = 1.0, .range = kInfinity});
   result.possible = !(distance > result.span + kRounding);
   std::sort(stretches.begin(), stretches.end(),
             [](const auto& a, const auto& b) { return a.length_rate * b.mass_rate > b.length_rate * a.mass_rate; });

@@ -21,6 +21,8 @@ struct ModuleSpan {
   std::vector<Stretch> stretches{};
 
   [[nodiscard]] double greatest_length() const;
+  /// Most length per kilogram of any stretch [m/kg]; 0: none lengthens.
+  [[nodiscard]] double best_rate() const;
 };
 
 /// The span of a module type between its two connectors, by the triangle inequality over its rigid pieces.
@@ -36,10 +38,26 @@ struct ReachBound {
   double least_mass = 0.0;  ///< no parameters that get there weigh less [kg]
 };
 
-/// Arms of exactly these modules whose tip has to be `distance` [m] away from the base. The tip is never farther away than
-/// the arm is long; the lightest parameters that are long enough come from a fractional knapsack, because length and mass
-/// are affine in them.
+/// Arms of exactly these modules whose tip has to be `distance` [m] away from the base. The tip is never farther away
+/// than the arm is long; the lightest parameters that are long enough come from a fractional knapsack, because length
+/// and mass are affine in them.
 [[nodiscard]] ReachBound reach_bound(std::span<const ModuleSpan* const> modules, double distance);
+
+/// What is known of modules that an arm goes on with, whichever they are.
+struct Continuation {
+  bool possible = true;          ///< false: there are none
+  double length = 0.0;           ///< sum of ModuleSpan::length at most [m]
+  double greatest_length = 0.0;  ///< sum of ModuleSpan::greatest_length() at most [m]
+  double mass = 0.0;             ///< sum of ModuleSpan::mass at least [kg]
+  double cost = 0.0;             ///< at least
+  double best_rate = 0.0;        ///< most length per kilogram of their stretches [m/kg]
+};
+/// Any `more` of `types`.
+[[nodiscard]] Continuation any_of_types(std::span<const ModuleSpan> types, int more);
+
+/// Arms of these modules and of others of which no more is known than `rest`.
+[[nodiscard]] ReachBound reach_bound(std::span<const ModuleSpan* const> modules, const Continuation& rest,
+                                     double distance);
 
 /// Arms of these modules and any `more` of `types`: weaker, but covers all continuations of that length at once.
 [[nodiscard]] ReachBound reach_bound(std::span<const ModuleSpan* const> modules, std::span<const ModuleSpan> types,

@@ -5,6 +5,8 @@
 #include <map>
 #include <modsearch/problem/base_placement.hpp>
 #include <modsearch/problem/completion_internal.hpp>
+#include <modsearch/problem/completions_internal.hpp>
+#include <modsearch/problem/end_proofs_internal.hpp>
 #include <modsearch/problem/robot_problem.hpp>
 #include <modsearch/problem/task_pose_program.hpp>
 #include <modsearch/problem/task_program.hpp>
@@ -17,6 +19,15 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kProvedImpossible = -kInfinity;
+
+// Why no arm of `n` modules can be completed.
+std::string incompletable(int n, int least_joints) {
+  const std::string joints = least_joints == 0   ? ""
+                             : least_joints == 1 ? " and a joint"
+                                                 : fmt::format(" and {} joints", least_joints);
+  return fmt::format("no arm of {} has an end effector that may stand at the goals{}",
+                     n == 1 ? "1 module" : fmt::format("{} modules", n), joints);
+}
 
 }  // namespace
 
@@ -35,6 +46,12 @@ class ChainCache {
   [[nodiscard]] const ModuleSpan& base_span() const { return base_span_; }
   [[nodiscard]] const std::vector<ModuleSpan>& type_spans() const { return type_spans_; }
   [[nodiscard]] const detail::Completion& completion() const { return completion_; }
+
+  /// Built when it is first asked for: most problems have no obstacles at their goals.
+  [[nodiscard]] const detail::RigidEnds& rigid_ends() {
+    std::call_once(ends_built_, [&] { ends_ = detail::rigid_ends(*library_); });
+    return ends_;
+  }
 
   // Readers share the lock: all but the first evaluation of a sequence only look.
   [[nodiscard]] std::shared_ptr<const Chain> chain(std::span<const int> types) {
@@ -60,8 +77,57 @@ class ChainCache {
   ModuleSpan base_span_;
   std::vector<ModuleSpan> type_spans_;
   detail::Completion completion_;
+  std::once_flag ends_built_;
+  detail::RigidEnds ends_;
   std::shared_mutex mutex_;
   std::map<std::vector<int>, std::shared_ptr<const Chain>> chains_;
+};
+
+// What is proved about the arms of a problem, once somebody asks.
+class TaskProofs {
+ public:
+  struct Facts {
+    std::optional<detail::EndProofs> ends;
+    std::optional<detail::Completions> completions;
+    int least_joints = 0;
+  };
+
+  [[nodiscard]] static bool worth_having(const RobotProblemSpec& spec) {
+    // A task that is more than its goals may not even look at the obstacles.
+    const bool goals_only = dynamic_cast<const GoalTask*>(spec.task.get()) != nullptr;
+    return goals_only && (spec.library->has_end_effectors() || looks_at_obstacles(spec));
+  }
+
+  [[nodiscard]] const Facts& facts(const RobotProblemSpec& spec) {
+    std::call_once(proved_, [&] { prove(spec); });
+    return facts_;
+  }
+
+ private:
+  [[nodiscard]] static bool looks_at_obstacles(const RobotProblemSpec& spec) {
+    return spec.level != Level::kNone && spec.scene->any_rests();
+  }
+
+  void prove(const RobotProblemSpec& spec) {
+    const ModuleLibrary& library = *spec.library;
+    const std::vector<std::optional<detail::PoseEnclosure>> goals = detail::enclosures(*spec.task);
+    if (looks_at_obstacles(spec)) {
+      facts_.ends.emplace(library, spec.chains->rigid_ends(), *spec.task, *spec.scene, spec.X_WB, goals);
+    }
+    // Without end effectors nothing is known of what an arm must end with, and joints may be anywhere.
+    if (!library.has_end_effectors()) return;
+    facts_.least_joints = detail::least_joints(goals);
+    std::vector<bool> may_end;
+    for (int k = 0; k < library.n_types(); ++k) {
+      const bool ruled_out = facts_.ends && facts_.ends->rules_out_end(k);
+      may_end.push_back(!ruled_out && library.complete(std::span{&k, 1}));
+    }
+    facts_.completions.emplace(library, spec.chains->type_spans(), may_end, facts_.least_joints,
+                               spec.max_modules - (spec.placed_base ? 0 : 1));
+  }
+
+  std::once_flag proved_;
+  Facts facts_;
 };
 
 RobotProblem::RobotProblem(RobotProblemSpec spec) : spec_{std::move(spec)} {
@@ -79,6 +145,7 @@ RobotProblem::RobotProblem(RobotProblemSpec spec) : spec_{std::move(spec)} {
   if (!spec_.chains || !spec_.chains->belongs_to(spec_)) {
     spec_.chains = std::make_shared<ChainCache>(spec_.library, spec_.X_WB);
   }
+  if (TaskProofs::worth_having(spec_)) proofs_ = std::make_shared<TaskProofs>();
 }
 
 RobotProblem RobotProblem::with_level(Level level) const {
@@ -197,6 +264,12 @@ double RobotProblem::farthest_goal() const {
   return distance;
 }
 
+std::optional<Infeasibility> RobotProblem::infeasible() const {
+  if (!proofs_) return std::nullopt;
+  const TaskProofs::Facts& facts = proofs_->facts(spec_);
+  return facts.ends ? facts.ends->infeasible() : std::nullopt;
+}
+
 Optimism RobotProblem::optimism(std::span<const int> types) const {
   if (!library().complete(types)) return {kProvedImpossible, "the design does not end in an end effector"};
   return optimism_of_prefix(types, static_cast<int>(types.size()));
@@ -206,17 +279,21 @@ Optimism RobotProblem::optimism_of_length(int n) const { return optimism_of_pref
 
 Optimism RobotProblem::optimism_of_prefix(std::span<const int> types, int n) const {
   const std::vector<ModuleSpan>& all = spec_.chains->type_spans();
+  const int more = n - static_cast<int>(types.size());
+  const TaskProofs::Facts* facts = proofs_ ? &proofs_->facts(spec_) : nullptr;
+  if (facts != nullptr && facts->ends) {
+    std::string why = facts->ends->ruled_out(types, more == 0);
+    if (!why.empty()) return {kProvedImpossible, std::move(why)};
+  }
+  const bool knows_endings = facts != nullptr && facts->completions;
+  const Continuation rest = knows_endings ? facts->completions->completion(types, more) : any_of_types(all, more);
+  if (!rest.possible) return {kProvedImpossible, incompletable(n, facts->least_joints)};
   std::vector<const ModuleSpan*> modules{&spec_.chains->base_span()};
   for (const int k : types) modules.push_back(&all[static_cast<std::size_t>(k)]);
   double cost = 0.0;
   for (const ModuleSpan* module : modules) cost += module->cost;
-  const int more = n - static_cast<int>(types.size());
-  if (more > 0 && !all.empty()) {
-    cost += more * std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
-                     return a.cost < b.cost;
-                   })->cost;
-  }
-  return judged(reach_bound(modules, all, more, farthest_goal()), n, cost);
+  cost += rest.cost;
+  return judged(reach_bound(modules, rest, farthest_goal()), n, cost);
 }
 
 Optimism RobotProblem::judged(const ReachBound& bound, int n, double least_cost) const {

@@ -11,6 +11,7 @@
 namespace modsearch {
 
 class ChainCache;
+class TaskProofs;
 
 /// Everything a robot problem is made of.
 struct RobotProblemSpec {
@@ -34,7 +35,8 @@ struct RobotProblemSpec {
 };
 
 /// Library + scene + task + scoring: the design problem everybody uses. Keeps the chains of type sequences it has met
-/// lately.
+/// lately, and what it has proved of its arms (docs/infeasible.md): which ends and beginnings overlap an obstacle
+/// whatever the arm, how many joints it needs, what a complete one has to contain.
 class RobotProblem final : public DesignProblem {
  public:
   /// Throws std::invalid_argument for a missing part or max_modules outside [1, 64].
@@ -49,6 +51,9 @@ class RobotProblem final : public DesignProblem {
   [[nodiscard]] std::unique_ptr<SmoothProgram> relax(std::span<const int> types,
                                                      const Relaxation& relaxation = {}) const override;
   [[nodiscard]] std::unique_ptr<PoseProgram> pose_program(std::span<const int> types) const override;
+  /// The end of every possible arm overlaps an obstacle at a goal, or its beginning does. Proved at the first call, in
+  /// less than a millisecond, and known from then on.
+  [[nodiscard]] std::optional<Infeasibility> infeasible() const override;
   [[nodiscard]] Optimism optimism(std::span<const int> types) const override;
   [[nodiscard]] Optimism optimism_of_length(int n) const override;
   [[nodiscard]] Optimism optimism_of_prefix(std::span<const int> types, int n) const override;
@@ -76,7 +81,8 @@ class RobotProblem final : public DesignProblem {
   [[nodiscard]] double farthest_goal() const;
   [[nodiscard]] Optimism judged(const ReachBound& bound, int n, double least_cost) const;
 
-  RobotProblemSpec spec_;  // its `chains` are never null
+  RobotProblemSpec spec_;               // its `chains` are never null
+  std::shared_ptr<TaskProofs> proofs_;  // null: there is nothing to prove but reach
 };
 
 }  // namespace modsearch

@@ -47,10 +47,11 @@ class Solver {
   virtual ~Solver() = default;
   /// As on the command line: "random", "per-sequence", ..
   [[nodiscard]] virtual std::string name() const = 0;
-  /// Searches until the meter says stop or the solver has nothing left to try. Equal arguments give equal solutions
-  /// (unless a budget of seconds cuts in). The best design evaluated through the meter is the answer. Where the meter
-  /// said stop, its reason is the solution's, except that a proof (optimal, unreachable) stands.
-  /// Throws what the problem throws.
+  /// Searches until the meter says stop or the solver has nothing left to try. Where the problem knows that no design
+  /// is achieved (DesignProblem::infeasible), nothing is searched and that is the answer, whatever the solver. Equal
+  /// arguments give equal solutions (unless a budget of seconds cuts in). The best design evaluated through the meter
+  /// is the answer. Where the meter said stop, its reason is the solution's, except that a proof (optimal, unreachable)
+  /// stands. Throws what the problem throws.
   [[nodiscard]] Solution solve(const DesignProblem& problem, Meter& meter, Rng rng) const;
 
  private:
