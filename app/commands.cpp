@@ -70,9 +70,9 @@ Status verify_solution(const VerifyArguments& arguments, const CommonArguments& 
   if (claimed.path && claimed.path->waypoints.rows() > 0) claims.path = claimed.path;
   const Verification verification = verify(*loaded.problem, loaded.record.design, claims);
   if (common.json) {
-    print(verification_json(verification));
+    print(verification_json(*loaded.problem, loaded.record.design, verification));
   } else {
-    write_out(verification_text(verification));
+    write_out(verification_text(*loaded.problem, loaded.record.design, verification));
   }
   return verification.verified ? Status::kSuccess : Status::kNegative;
 }
@@ -116,13 +116,14 @@ Status render(const RenderArguments& arguments, const CommonArguments& common) {
     loaded.record.evaluation.attempt.step_waypoints = given.step_waypoints;
   }
   const Attempt& attempt = loaded.record.evaluation.attempt;
+  const NearestMiss missed = nearest_miss(*loaded.problem, loaded.record.design, loaded.record.evaluation);
   const std::string problem = named_problem(arguments, loaded.record);
   const std::string page =
       write_page(page_of_solution(*loaded.problem, loaded.record,
                                   {.path = attempt.path,
                                    .sampling = load_problem_file(problem).sampling,
                                    .command = solve_command(problem, loaded.record).value_or(common.command),
-                                   .reason = attempt.achieved ? std::string{} : std::string{name(attempt.why)}}));
+                                   .reason = missed.words()}));
   if (!arguments.out) {
     write_out(page);
     return Status::kSuccess;

@@ -105,6 +105,11 @@ void describe(CLI::App& app, Arguments& a) {
           "--fidelity", [&](const std::string&) { a.solve.at_path_level = true; },
           "path: ask for a collision-free path, whatever the problem's own level")
       ->check(CLI::IsMember({"path"}));
+  solve
+      .add_option_function<std::string>(
+          "--until", [&](const std::string&) { a.solve.until_achieved = true; },
+          "achieved: end at the first design that is achieved, whatever its score")
+      ->check(CLI::IsMember({"achieved"}));
   solve.add_flag("--refine", a.solve.refine,
                  "afterwards solve for the lengths of the modules that were found, from eight starts, with what is "
                  "left of the budget");

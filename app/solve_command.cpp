@@ -39,10 +39,11 @@ Solution search(const ChosenSolver& chosen, const SolveArguments& arguments, con
   if (!arguments.checkpoint) return chosen.solver->solve(problem, meter, rng);
   const auto* stepped = dynamic_cast<const SteppedSolver*>(chosen.solver.get());
   if (stepped == nullptr) {
-    throw std::invalid_argument(
-        arguments.refine
-            ? std::string{"--checkpoint: a search with --refine cannot be kept in a file"}
-            : fmt::format("--checkpoint: the searches of solver '{}' cannot be kept in a file", chosen.name));
+    throw std::invalid_argument(arguments.refine ? std::string{"--checkpoint: a search with --refine "
+                                                               "cannot be kept in a file"}
+                                                 : fmt::format("--checkpoint: the searches of solver "
+                                                               "'{}' cannot be kept in a file",
+                                                               chosen.name));
   }
   if (!arguments.resume && std::filesystem::exists(*arguments.checkpoint)) {
     throw std::invalid_argument(
@@ -67,12 +68,18 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   if (arguments.at_path_level) problem = std::make_shared<RobotProblem>(problem->with_level(Level::kPath));
   if (arguments.out) make_folder(*arguments.out);
 
-  ProgressDisplay display{arguments.solver, common.quiet};
+  // Where only time ends the search, somebody waits: the first achieved design
+  // is told as soon as there is one.
+  const bool open_ended = !arguments.evaluations && !arguments.seconds && !arguments.until_achieved;
+  ProgressDisplay display{arguments.solver, common.quiet, open_ended ? &problem->library() : nullptr};
   Meter meter{budget_of(arguments), [&](const Meter& m) { display.update(m); }, stop};
   Solution solution = search(chosen, arguments, *problem, meter);
   display.finish();
   const bool evaluated = meter.best().has_value();
   if (!evaluated) solution.evaluation.attempt.goal_error = std::numeric_limits<double>::infinity();  // not known
+
+  std::optional<Incumbent> nearest = solution.nearest;  // perhaps screened only
+  if (nearest) nearest->evaluation = problem->evaluate(nearest->design);
 
   const Claims claims{.score = solution.evaluation.score, .achieved = solution.evaluation.attempt.achieved};
   std::optional<Verification> verification;
@@ -102,13 +109,20 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   json["solver"] = arguments.solver;
   json["seed"] = arguments.seed;
   json.update(evaluation_json(*problem, solution.design, solution.evaluation));
-  if (!evaluated) json["why"] = kNothingEvaluated;
+  if (!evaluated) {
+    json["why"] = kNothingEvaluated;
+    json.erase("misses");
+  }
+  if (nearest) json["nearest"] = evaluation_json(*problem, nearest->design, nearest->evaluation);
   json["verified"] = verification && verification->level == "path";
   json["evaluations"] = solution.spent.evaluations;
   json["programEvaluations"] = solution.spent.program_evaluations;
   json["seconds"] = solution.spent.seconds;
   json["outcomes"] = outcomes_json(solution.spent);
   json["stop"] = name(solution.stop);
+  if (arguments.until_achieved && solution.stop == StopReason::kTargetScore) {
+    solution.reason = "the first achieved design, as asked";
+  }
   json["reason"] = solution.reason;
   if (solution.bound && std::isfinite(solution.bound->score)) {
     json["bound"] = {{"score", solution.bound->score}, {"reason", solution.bound->reason}};
@@ -120,12 +134,21 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   const auto write_files = [&] {
     SolutionRecord stored = record;
     stored.problem = problem_reference(arguments.problem, *arguments.out);
+    const std::string missed =
+        nearest ? nearest_miss(*problem, nearest->design, nearest->evaluation).words() : std::string{};
     const std::string reason =
         verification ? why_not(*verification)
-                     : fmt::format("{}; the search ended: {}{}",
-                                   evaluated ? name(solution.evaluation.attempt.why) : kNothingEvaluated,
+                     : fmt::format("{}; the search ended: {}{}", missed.empty() ? kNothingEvaluated : missed,
                                    name(solution.stop), solution.reason.empty() ? "" : ", " + solution.reason);
-    const Page page = page_of_solution(*problem, record,
+    // The file keeps to the rule of comparisons, standing then score; the page
+    // shows what there is to learn from.
+    SolutionRecord shown = record;
+    if (nearest) {
+      shown.design = nearest->design;
+      shown.X_WB = problem->base_pose(nearest->design);
+      shown.evaluation = nearest->evaluation;
+    }
+    const Page page = page_of_solution(*problem, shown,
                                        {.path = record.evaluation.attempt.path,
                                         .sampling = file.sampling,
                                         .trace = meter.trace(),
@@ -158,8 +181,15 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
     if (record.target) {
       say("target       ({:.4f}, {:.4f}, {:.4f})\n", record.target->x(), record.target->y(), record.target->z());
     }
-    write_out(evaluated ? evaluation_text(*problem, solution.design, solution.evaluation)
-                        : fmt::format("design       none: {}\n", kNothingEvaluated));
+    if (!evaluated) {
+      say("design       none: {}\n", kNothingEvaluated);
+    } else if (nearest && nearest->design != solution.design) {
+      write_out(evaluation_text(*problem, nearest->design, nearest->evaluation, "nearest"));
+      say("best score   {:.6f}   {}: {}\n", solution.evaluation.score, standing(solution.evaluation.attempt),
+          to_string(problem->library(), solution.design));
+    } else {
+      write_out(evaluation_text(*problem, solution.design, solution.evaluation));
+    }
     if (verification) {
       say("verified     {}{}\n", verification->level,
           verification->level == "path" ? ": a collision-free path from home through all goals"
