@@ -46,6 +46,7 @@
 #include <modsearch/problem/frozen_design.hpp>
 #include <modsearch/problem/goal.hpp>
 #include <modsearch/problem/module_library.hpp>
+#include <modsearch/problem/nearest_miss.hpp>
 #include <modsearch/problem/problem_source.hpp>
 #include <modsearch/problem/reach_bound.hpp>
 #include <modsearch/problem/rng.hpp>
@@ -103,6 +104,7 @@
 #include <modsearch/solvers/search.hpp>
 #include <modsearch/solvers/solver.hpp>
 #include <modsearch/solvers/verification.hpp>
+#include <modsearch/study/best_known.hpp>
 #include <modsearch/study/bootstrap.hpp>
 #include <modsearch/study/break_even.hpp>
 #include <modsearch/study/compute_cell.hpp>

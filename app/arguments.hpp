@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace modsearch::app {
 
@@ -93,6 +94,11 @@ struct CertifyArguments {
 
 struct CheckCertificateArguments {
   std::string file;
+};
+
+struct BestKnownArguments {
+  std::vector<std::string> files;
+  std::filesystem::path tables = "data/best_known";
 };
 
 struct ListArguments {

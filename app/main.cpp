@@ -36,6 +36,7 @@ struct Arguments {
   GenerateArguments generate;
   CertifyArguments certify;
   CheckCertificateArguments check_certificate;
+  BestKnownArguments best_known;
   ListArguments list;
 };
 
@@ -210,6 +211,13 @@ void describe(CLI::App& app, Arguments& a) {
   check.add_option("FILE", a.check_certificate.file, "certificate")->required();
   add_common(check, a.common, "modsearch check-certificate out/certificate.json");
 
+  CLI::App& best_known =
+      *app.add_subcommand("best-known", "verify designs and keep the better ones in the tables of best known designs");
+  best_known.add_option("FILE", a.best_known.files, "solution files, and tables of designs")->required();
+  best_known.add_option("--tables", a.best_known.tables, "folder of the tables, one file per family")
+      ->capture_default_str();
+  add_common(best_known, a.common, "modsearch best-known out/solution.json");
+
   CLI::App& list = *app.add_subcommand("list", "what there is, with options and defaults");
   list.add_option("WHAT", a.list.what, "solvers, agents, problems, libraries or studies")
       ->required()
@@ -241,6 +249,7 @@ Status run(const CLI::App& app, const Arguments& a) {
   if (app.got_subcommand("generate")) return generate(a.generate, a.common);
   if (app.got_subcommand("certify")) return certify(a.certify, a.common, stop_on_interrupt());
   if (app.got_subcommand("check-certificate")) return check_certificate(a.check_certificate, a.common);
+  if (app.got_subcommand("best-known")) return best_known(a.best_known, a.common);
   return list(a.list, a.common);
 }
 
