@@ -48,6 +48,7 @@
 #include <modsearch/problem/frozen_design.hpp>
 #include <modsearch/problem/goal.hpp>
 #include <modsearch/problem/module_library.hpp>
+#include <modsearch/problem/nearest_miss.hpp>
 #include <modsearch/problem/pose_program.hpp>
 #include <modsearch/problem/problem_source.hpp>
 #include <modsearch/problem/reach_bound.hpp>
@@ -107,6 +108,7 @@
 #include <modsearch/solvers/search.hpp>
 #include <modsearch/solvers/solver.hpp>
 #include <modsearch/solvers/verification.hpp>
+#include <modsearch/study/best_known.hpp>
 #include <modsearch/study/bootstrap.hpp>
 #include <modsearch/study/break_even.hpp>
 #include <modsearch/study/compute_cell.hpp>

@@ -61,6 +61,7 @@ Budget budget_of(const SolveArguments& arguments) {
   if (!arguments.evaluations && !arguments.seconds) budget.seconds = kPatience;
   if (arguments.evaluations) budget.evaluations = *arguments.evaluations;
   if (arguments.seconds) budget.seconds = *arguments.seconds;
+  if (arguments.until_achieved) budget.target_score = Budget::kFirstAchieved;
   return budget;
 }
 

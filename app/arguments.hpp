@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace modsearch::app {
 
@@ -24,6 +25,7 @@ struct SolveArguments {
   std::optional<std::int64_t> evaluations;
   std::optional<double> seconds;
   std::uint64_t seed = 0;
+  bool until_achieved = false;  ///< the first achieved design will do
   bool at_path_level = false;
   bool refine = false;
   std::optional<std::filesystem::path> checkpoint;
@@ -95,6 +97,11 @@ struct CheckCertificateArguments {
   std::string file;
 };
 
+struct BestKnownArguments {
+  std::vector<std::string> files;
+  std::filesystem::path tables = "data/best_known";
+};
+
 struct ListArguments {
   std::string what;  ///< "solvers", "agents", "problems" or "studies"
 };
@@ -112,7 +119,8 @@ struct ListArguments {
 /// "SEED:INDEX". Throws std::invalid_argument for anything else.
 [[nodiscard]] Instance parse_instance(std::string_view text);
 
-/// The budget of a run: as given, else until the solver can prove or improve nothing more, at the latest after 30 s.
+/// The budget of a run: as given, else until the solver can prove or improve nothing more, at the latest after 30 s; in
+/// either case until the first achieved design, where that is all that was asked for.
 [[nodiscard]] Budget budget_of(const SolveArguments& arguments);
 
 }  // namespace modsearch::app

@@ -28,6 +28,7 @@ enum class Status {
 [[nodiscard]] Status certify(const CertifyArguments& arguments, const CommonArguments& common, std::stop_token stop);
 /// Becomes modsearch-check, which lies beside this program.
 [[nodiscard]] Status check_certificate(const CheckCertificateArguments& arguments, const CommonArguments& common);
+[[nodiscard]] Status best_known(const BestKnownArguments& arguments, const CommonArguments& common);
 [[nodiscard]] Status list(const ListArguments& arguments, const CommonArguments& common);
 
 /// What the commands print may still wait in a buffer: throws FileError if it cannot be written, say to a full disk.

@@ -36,6 +36,7 @@ struct Arguments {
   GenerateArguments generate;
   CertifyArguments certify;
   CheckCertificateArguments check_certificate;
+  BestKnownArguments best_known;
   ListArguments list;
 };
 
@@ -105,6 +106,11 @@ void describe(CLI::App& app, Arguments& a) {
           "--fidelity", [&](const std::string&) { a.solve.at_path_level = true; },
           "path: ask for a collision-free path, whatever the problem's own level")
       ->check(CLI::IsMember({"path"}));
+  solve
+      .add_option_function<std::string>(
+          "--until", [&](const std::string&) { a.solve.until_achieved = true; },
+          "achieved: end at the first design that is achieved, whatever its score")
+      ->check(CLI::IsMember({"achieved"}));
   solve.add_flag("--refine", a.solve.refine,
                  "afterwards solve for the lengths of the modules that were found, from eight starts, with what is "
                  "left of the budget");
@@ -207,6 +213,13 @@ void describe(CLI::App& app, Arguments& a) {
   check.add_option("FILE", a.check_certificate.file, "certificate")->required();
   add_common(check, a.common, "modsearch check-certificate out/certificate.json");
 
+  CLI::App& best_known =
+      *app.add_subcommand("best-known", "verify designs and keep the better ones in the tables of best known designs");
+  best_known.add_option("FILE", a.best_known.files, "solution files, and tables of designs")->required();
+  best_known.add_option("--tables", a.best_known.tables, "folder of the tables, one file per family")
+      ->capture_default_str();
+  add_common(best_known, a.common, "modsearch best-known out/solution.json");
+
   CLI::App& list = *app.add_subcommand("list", "what there is, with options and defaults");
   list.add_option("WHAT", a.list.what, "solvers, agents, problems, libraries or studies")
       ->required()
@@ -238,6 +251,7 @@ Status run(const CLI::App& app, const Arguments& a) {
   if (app.got_subcommand("generate")) return generate(a.generate, a.common);
   if (app.got_subcommand("certify")) return certify(a.certify, a.common, stop_on_interrupt());
   if (app.got_subcommand("check-certificate")) return check_certificate(a.check_certificate, a.common);
+  if (app.got_subcommand("best-known")) return best_known(a.best_known, a.common);
   return list(a.list, a.common);
 }
 

@@ -38,6 +38,13 @@ void ProgressLine::show(double share, const std::string& text) {
   std::fflush(stderr);
 }
 
+void ProgressLine::say(const std::string& text) {
+  if (quiet_) return;
+  finish();
+  fmt::print(stderr, "{}\n", text);
+  std::fflush(stderr);
+}
+
 void ProgressLine::finish() {
   if (shown_) fmt::print(stderr, "\r\033[K");
   shown_ = false;

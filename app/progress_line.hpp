@@ -21,6 +21,8 @@ class ProgressLine {
   [[nodiscard]] bool due();
   /// `share` of the whole, in [0, 1], and what there is to say.
   void show(double share, const std::string& text);
+  /// A line that stays, above the bar.
+  void say(const std::string& text);
   /// Takes the bar off the screen.
   void finish();
 

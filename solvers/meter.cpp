@@ -4,6 +4,7 @@
 #include <modsearch/solvers/meter.hpp>
 #include <modsearch/solvers/search.hpp>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 namespace modsearch {
@@ -28,6 +29,12 @@ Evaluation evaluated(const DesignProblem& problem, const Design& design, Fidelit
     refuse(evaluation, Failure::kThrew, error.what());
     return evaluation;
   }
+}
+
+// How near a design that is not achieved came; larger is nearer.
+auto nearness(const Attempt& attempt) {
+  const double spare = attempt.why == Failure::kTorque ? -attempt.torque_share : attempt.clearance;
+  return std::tuple{attempt.why != Failure::kIncomplete, -attempt.relative_error, static_cast<int>(attempt.why), spare};
 }
 
 }  // namespace
@@ -76,8 +83,23 @@ std::optional<Evaluation> Meter::evaluate(const DesignProblem& problem, const De
     best_ = Incumbent{design, evaluation};
     trace_.push_back({progress_.evaluations, elapsed(), evaluation.score, evaluation.attempt.achieved});
   }
+  remember_nearest(design, evaluation);
   if (observer_) observer_(*this);
   return evaluation;
+}
+
+void Meter::remember_nearest(const Design& design, const Evaluation& evaluation) {
+  const Attempt& attempt = evaluation.attempt;
+  if (best_ && best_->evaluation.attempt.achieved) {
+    nearest_.reset();
+    return;
+  }
+  // A screening that passes has missed nothing, and a failure of the problem itself says nothing about the design. The
+  // comparison refuses what is not a number, with which no other could ever compare.
+  const bool missed = !attempt.achieved && attempt.why != Failure::kNotANumber && attempt.why != Failure::kThrew &&
+                      attempt.relative_error >= 0.0;
+  if (!missed || (nearest_ && nearness(attempt) <= nearness(nearest_->evaluation.attempt))) return;
+  nearest_ = Incumbent{design, evaluation};
 }
 
 void Meter::say(std::string stage) {
@@ -123,6 +145,7 @@ void Meter::save(Archive& archive) const {
                  {static_cast<double>(point.evaluations), point.seconds, point.score, point.achieved ? 1.0 : 0.0});
   }
   archive.put("meter/trace", std::span<const double>{trace});
+  if (nearest_) put(archive, "meter/nearest", std::span{&nearest_->design, 1});
   if (!best_) return;
   put(archive, "meter/best", std::span{&best_->design, 1});
   put(archive, "meter/best/postures", best_->evaluation.attempt.postures);
@@ -148,6 +171,13 @@ void Meter::restore(const Archive& archive, const DesignProblem& problem) {
   for (std::size_t i = 0; i < trace.size(); i += 4) {
     trace_.push_back({static_cast<std::int64_t>(trace[i]), trace[i + 1], trace[i + 2], trace[i + 3] != 0.0});
   }
+  std::optional<std::string> failure;  // counted when it was evaluated first
+  nearest_.reset();
+  if (archive.has("meter/nearest/lengths")) {
+    const std::vector<Design> nearest = restored_designs(archive, "meter/nearest", problem.library());
+    if (nearest.size() != 1) archive.fail("meter/nearest", "does not hold one design");
+    nearest_ = Incumbent{nearest.front(), evaluated(problem, nearest.front(), Fidelity::kFull, {}, failure)};
+  }
   best_.reset();
   if (!archive.has("meter/best/lengths")) return;
   const std::vector<Design> best = restored_designs(archive, "meter/best", problem.library());
@@ -155,7 +185,6 @@ void Meter::restore(const Archive& archive, const DesignProblem& problem) {
   // Achieved with postures that it was given, perhaps: they are kept with it.
   Witness witness;
   if (archive.has("meter/best/postures/rows")) witness.postures = restored_matrix(archive, "meter/best/postures");
-  std::optional<std::string> failure;  // counted when it was evaluated first
   best_ = Incumbent{best.front(), evaluated(problem, best.front(), Fidelity::kFull, witness, failure)};
 }
 

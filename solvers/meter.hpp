@@ -18,6 +18,9 @@ class Archive;
 
 /// When a search ends, whichever comes first.
 struct Budget {
+  /// The target score that every achieved design meets: the search ends at the first one.
+  static constexpr double kFirstAchieved = -std::numeric_limits<double>::infinity();
+
   std::int64_t evaluations = 1'000'000;  ///< calls of the score
   double seconds = std::numeric_limits<double>::infinity();
   /// Ends as soon as an achieved design scores at least this.
@@ -79,8 +82,7 @@ class Meter {
   /// one bad design of a user's task does not end a search. Misuse (std::invalid_argument) passes through, counted.
   /// A screening is counted but never becomes the best: it promises a score and does not show it.
   [[nodiscard]] std::optional<Evaluation> evaluate(const DesignProblem& problem, const Design& design,
-                                                   Fidelity fidelity = Fidelity::kFull,
-                                                   const Witness& witness = {});
+                                                   Fidelity fidelity = Fidelity::kFull, const Witness& witness = {});
 
   /// Counts inner work that was not part of an evaluation.
   void count(const Work& work) { progress_.work += work; }
@@ -97,6 +99,12 @@ class Meter {
   [[nodiscard]] const Budget& budget() const { return budget_; }
   /// The best design so far in full fidelity (standing, then score; the first of equals); empty before the first.
   [[nodiscard]] const std::optional<Incumbent>& best() const { return best_; }
+  /// While nothing is achieved: the design that came nearest, which the best by its score seldom is (often that is the
+  /// empty one, for it weighs nothing). The least relative error (Attempt) counts; among designs that reach, the one
+  /// that failed the latest test in the order of Failure, then the larger clearance or the smaller share of a torque.
+  /// Designs without an end effector come last. Its evaluation may be a screening: what fails at a low fidelity fails
+  /// at the full one too. Empty before the first evaluation, and as soon as a design is achieved.
+  [[nodiscard]] const std::optional<Incumbent>& nearest() const { return nearest_; }
   /// Every improvement of the best, in order.
   [[nodiscard]] const std::vector<TracePoint>& trace() const { return trace_; }
   /// What the first evaluation that failed had to say; empty: none has.
@@ -109,6 +117,7 @@ class Meter {
 
  private:
   [[nodiscard]] double elapsed() const;
+  void remember_nearest(const Design& design, const Evaluation& evaluation);
 
   Budget budget_;
   Observer observer_;
@@ -116,6 +125,7 @@ class Meter {
   std::chrono::steady_clock::time_point start_;
   Progress progress_;
   std::optional<Incumbent> best_;
+  std::optional<Incumbent> nearest_;
   std::vector<TracePoint> trace_;
   std::string first_failure_;
   std::string stage_;

@@ -25,6 +25,7 @@ Solution Solver::solve(const DesignProblem& problem, Meter& meter, Rng rng) cons
     solution.design = meter.best()->design;
     solution.evaluation = meter.best()->evaluation;
   }
+  solution.nearest = meter.nearest();
   solution.spent = meter.progress();
   solution.stop = proved ? end.stop : meter.stopped().value_or(end.stop);
   solution.reason = std::move(end.reason);

@@ -30,6 +30,9 @@ struct SearchEnd {
 struct Solution {
   Design design;          ///< the best in full fidelity (standing, then score); empty if nothing was evaluated
   Evaluation evaluation;  ///< of `design`; score -inf if nothing was evaluated
+  /// Where `design` is not achieved: the one that came nearest (Meter::nearest), for people; nearest_miss says by what
+  /// it misses.
+  std::optional<Incumbent> nearest;
   Progress spent;
   StopReason stop = StopReason::kExhausted;
   std::string reason;  ///< see SearchEnd

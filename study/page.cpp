@@ -149,7 +149,23 @@ Json scene_json(const Page& page) {
     targets.push_back({{"name", target.name},
                        {"position", rounded_numbers(target.position, "the position of " + what)},
                        {"tolerance", target.tolerance},
-                       {"frame", target.frame ? pose_json(*target.frame, what) : Json()}});
+                       {"frame", target.frame ? pose_json(*target.frame, what) : Json()},
+                       {"miss", target.miss}});
+  }
+  Json& touches = out["touches"] = Json::array();
+  for (const PageTouch& touch : page.touches) {
+    const auto check_index = [](int index, std::size_t count, const char* kind) {
+      if (index >= 0 && static_cast<std::size_t>(index) < count) return;
+      refuse("something touches " + std::string(kind) + " " + std::to_string(index) + " of " + std::to_string(count));
+    };
+    check_index(touch.body, page.bodies.size(), "body");
+    check_index(touch.other, (touch.obstacle ? page.obstacles : page.bodies).size(),
+                touch.obstacle ? "obstacle" : "body");
+    touches.push_back({{"body", touch.body},
+                       {"obstacle", touch.obstacle},
+                       {"other", touch.other},
+                       {"position", rounded_numbers(touch.position, "the place of a touch")},
+                       {"depth", touch.depth}});
   }
   if (page.region) {
     out["region"] = {{"lower", rounded_numbers(page.region->lower, "the region")},

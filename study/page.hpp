@@ -58,6 +58,16 @@ struct PageTarget {
   PagePoint position{};
   double tolerance = 0.0;           ///< radius of the accepted ball [m]
   std::optional<PagePose> frame{};  ///< pose asked for, in the world, where the orientation matters
+  std::string miss{};               ///< what keeps the design from it, in words; empty: nothing
+};
+
+/// A body of the robot that overlaps an obstacle, or another body, in the posture that is shown.
+struct PageTouch {
+  int body = 0;          ///< index into `Page::bodies`
+  bool obstacle = true;  ///< whether `other` counts obstacles or bodies
+  int other = 0;
+  PagePoint position{};  ///< between the deepest points of the two
+  double depth = 0.0;    ///< [m]
 };
 
 /// The box that targets of a sampled problem are drawn from.
@@ -124,6 +134,7 @@ struct Page {
   std::vector<PageBody> bodies{};     ///< of the robot
   std::vector<PageBody> obstacles{};  ///< one keyframe each unless they move
   std::vector<PageTarget> targets{};
+  std::vector<PageTouch> touches{};
   std::optional<PageRegion> region{};
   std::optional<PagePose> base{};  ///< pose of the robot's base in the world
   std::vector<PagePoint> tip{};    ///< TCP at each sample of the path; empty: no line is drawn

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <modsearch/problem/nearest_miss.hpp>
 #include <modsearch/study/solution_page.hpp>
 
 namespace modsearch {
@@ -153,6 +155,37 @@ void add_scene(Page& page, const RobotProblem& problem, const std::optional<Samp
   if (sampling) page.region = PageRegion{page_point(sampling->lower), page_point(sampling->upper)};
 }
 
+// The posture to show of a design that has no motion: where it first misses something, else at the first goal.
+Eigen::VectorXd telling_posture(const RobotProblem& problem, const Chain& chain, const Attempt& attempt,
+                                const NearestMiss& missed) {
+  const bool has_postures = attempt.postures.rows() > 0 && attempt.postures.cols() == chain.n_joints();
+  const bool at_home = !missed.misses.empty() && missed.misses.front().why == Failure::kHomeInCollision;
+  if (!has_postures || at_home) return home_posture(problem.task(), chain);
+  const auto first = std::find_if(missed.misses.begin(), missed.misses.end(), [&](const Miss& miss) {
+    return miss.goal >= 0 && miss.goal < attempt.postures.rows();
+  });
+  return attempt.postures.row(first == missed.misses.end() ? 0 : first->goal).transpose();
+}
+
+// What is missed, beside its goal; and what overlaps in the posture of the first miss, which is the one shown.
+void add_misses(Page& page, const NearestMiss& missed) {
+  for (const Miss& miss : missed.misses) {
+    if (miss.goal < 0) continue;
+    const std::string place = miss.place + ": ";
+    page.targets[static_cast<std::size_t>(miss.goal)].miss =
+        miss.words.starts_with(place) ? miss.words.substr(place.size()) : miss.words;
+  }
+  const auto placed = std::find_if(missed.misses.begin(), missed.misses.end(),
+                                   [](const Miss& miss) { return miss.goal >= 0 || miss.touch; });
+  if (placed == missed.misses.end() || !placed->touch) return;
+  const Touch& touch = *placed->touch;
+  page.touches.push_back({.body = touch.body,
+                          .obstacle = touch.obstacle,
+                          .other = touch.other,
+                          .position = page_point(0.5 * (touch.p_WA + touch.p_WB)),
+                          .depth = touch.depth});
+}
+
 void add_modules(Page& page, const ModuleLibrary& library, const Design& design) {
   page.modules.push_back({library.base().id, {}});
   for (const Placement& placement : design.modules) {
@@ -207,10 +240,9 @@ Page page_of_solution(const RobotProblem& problem, const SolutionRecord& record,
     add_robot(page, chain, arm, samples.q);
     page.milestones = milestones(problem, arm, *context.path, samples);
   } else {
-    const bool has_posture = attempt.postures.rows() > 0 && attempt.postures.cols() == chain.n_joints();
-    add_robot(
-        page, chain, arm,
-        {has_posture ? Eigen::VectorXd{attempt.postures.row(0).transpose()} : home_posture(problem.task(), chain)});
+    const NearestMiss missed = nearest_miss(problem, record.design, record.evaluation);
+    add_robot(page, chain, arm, {telling_posture(problem, chain, attempt, missed)});
+    add_misses(page, missed);
   }
   for (const TracePoint& point : context.trace) {
     page.trace.push_back({point.evaluations, point.seconds, point.score, point.achieved});

@@ -79,8 +79,9 @@ class View {
 class Labels {
   constructor(layer, labels) {
     this.items = labels.map((label) => {
-      const node =
-          element("span", {}, element("b", {}, label.name), label.note ? element("i", {}, ` ${label.note}`) : null);
+      const node = element(
+          "span", label.touch ? {class: "touch"} : {}, element("b", {}, label.name),
+          label.note ? element("i", {}, ` ${label.note}`) : null, label.miss ? element("em", {}, label.miss) : null);
       layer.append(node);
       return {node, label};
     });

@@ -22,6 +22,7 @@ function fill_legend(scene) {
   if (scene.targets.length) entry("", kColours.target, scene.targets.length > 1 ? "targets" : "target");
   if (scene.region) entry("frame", kColours.target, "where targets are sampled");
   if (scene.obstacles.length) entry("", kColours.obstacle, scene.obstacles.length > 1 ? "obstacles" : "obstacle");
+  if (scene.touches.length) entry("", kColours.touch, "what touches");
   if (scene.tip.length > 1) entry("line", kColours.path, "path of the tool centre point");
 }
 

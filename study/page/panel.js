@@ -33,7 +33,7 @@ function fill_panel(facts, module_hue, on_module) {
     const parameters = module.parameters.map(
         (p) => element("span", {class: "parameter"}, element("i", {}, `${p.name} `), quantity(p.value, p.unit)));
     const row = element(
-        "tr", {tabindex: "0"}, element("td", {}, String(index + 1)), element("td", {}, swatch, module.type),
+        "tr", {tabindex: "0"}, element("td", {}, String(index)), element("td", {}, swatch, module.type),
         element("td", {}, ...(parameters.length ? parameters : [element("span", {class: "muted"}, "none")])));
     for (const event of ["mouseenter", "focus"]) row.addEventListener(event, () => on_module(index));
     for (const event of ["mouseleave", "blur"]) row.addEventListener(event, () => on_module(null));

@@ -60,6 +60,7 @@ class World {
 
     for (const body of scene_data.bodies) this.add_joints(body);
     for (const target of scene_data.targets) this.add_target(target);
+    for (const touch of scene_data.touches) this.add_touch(touch);
     if (scene_data.region) this.add_region(scene_data.region);
     if (scene_data.base) this.add_base(scene_data.base);
     this.add_tip_path(scene_data.tip);
@@ -115,7 +116,8 @@ class World {
   add_obstacle(body) {
     const material = solid(kColours.obstacle, {transparent: true, opacity: 0.7, roughness: 0.9});
     const edges = new THREE.LineBasicMaterial({color: linear(kColours.obstacle), transparent: true, opacity: 0.9});
-    this.add_shapes(body, this.follow(body), material, edges);
+    body.follower = this.follow(body);
+    this.add_shapes(body, body.follower, material, edges);
   }
 
   // A revolute joint is a drum about its axis with lighter caps, a prismatic one a sleeve.
@@ -149,12 +151,13 @@ class World {
     const centre = new THREE.Vector3(...target.position);
     const least = 0.28 * this.thickness;
     const ring_radius = Math.max(1.75 * this.thickness, 1.3 * target.tolerance);
-    const bright = new THREE.MeshBasicMaterial({color: linear(kColours.target)});
-    const through = new THREE.MeshBasicMaterial(
-        {color: linear(kColours.target), transparent: true, opacity: 0.45, depthTest: false});
+    const hex = target.miss ? kColours.touch : kColours.target;
+    const bright = new THREE.MeshBasicMaterial({color: linear(hex)});
+    const through =
+        new THREE.MeshBasicMaterial({color: linear(hex), transparent: true, opacity: 0.45, depthTest: false});
     const ring = new THREE.TorusBufferGeometry(ring_radius, 0.16 * this.thickness, 12, 64);
     const ball = new THREE.SphereBufferGeometry(Math.max(target.tolerance, least), 32, 24);
-    const soft = new THREE.MeshBasicMaterial({color: linear(kColours.target), transparent: true, opacity: 0.35});
+    const soft = new THREE.MeshBasicMaterial({color: linear(hex), transparent: true, opacity: 0.35});
     const faces = new THREE.Group();
     for (const material of [bright, through]) {
       faces.add(
@@ -165,8 +168,9 @@ class World {
     faces.traverse((node) => (node.renderOrder = node.material === through ? 2 : 1));
     this.facing.push(faces);
     this.scene.add(faces);
+    const axis_reach = target.frame ? Math.min(0.09 * this.size, 3.2 * this.thickness) : 0;
     if (target.frame) {
-      const triad = this.triad(0.09 * this.size, 0.0022 * this.size);
+      const triad = this.triad(axis_reach, 0.025 * axis_reach);
       triad.applyMatrix(matrix_of(target.frame));
       this.scene.add(triad);
     }
@@ -175,9 +179,39 @@ class World {
     this.labels.push({
       name: target.name || "target",
       note: target.tolerance > 0 ? `± ${length(target.tolerance)}` : "",
+      miss: target.miss,
       position: centre,
-      radius: ring_radius
+      radius: Math.max(ring_radius, 1.2 * axis_reach)
     });
+  }
+
+  // The two that overlap, and a cross where they are deepest, seen through everything.
+  add_touch(touch) {
+    const paint = (body, options) => {
+      const material = solid(kColours.touch, options);
+      body.follower.group.traverse((node) => {
+        if (node.isMesh && node.userData.name) node.material = material;
+      });
+    };
+    paint(this.data.bodies[touch.body], {side: THREE.DoubleSide});
+    if (touch.obstacle)
+      paint(this.data.obstacles[touch.other], {transparent: true, opacity: 0.6, roughness: 0.9});
+    else
+      paint(this.data.bodies[touch.other], {side: THREE.DoubleSide});
+    const reach = 1.6 * this.thickness, mark = new THREE.Group();
+    const material = new THREE.MeshBasicMaterial({color: linear("#ffffff"), depthTest: false, transparent: true});
+    for (const angle of [Math.PI / 4, -Math.PI / 4]) {
+      const bar = new THREE.Mesh(new THREE.BoxBufferGeometry(reach, 0.2 * this.thickness, 0.01 * reach), material);
+      bar.rotation.z = angle;
+      bar.renderOrder = 3;
+      mark.add(bar);
+    }
+    mark.position.set(...touch.position);
+    this.facing.push(mark);
+    this.scene.add(mark);
+    // Beside its goal the touch is told already; at home there is none.
+    if (!this.data.targets.some((target) => target.miss))
+      this.labels.push({name: `${length(touch.depth)} deep`, position: mark.position, radius: reach / 2, touch: true});
   }
 
   add_region(region) {

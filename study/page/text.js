@@ -54,7 +54,8 @@ const kColours = {
   joint: "#39414c",
   obstacle: "#e2694a",
   target: "#17a85b",
-  path: "#eaa211"
+  path: "#eaa211",
+  touch: "#c2123f"
 };
 
 const kAxisColours = ["#d8404c", "#3f9d4a", "#3a6fd8"];

@@ -475,7 +475,7 @@ TEST(BadUsage, WithoutACommandNamesThemAll) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err,
             "modsearch: no command given: one of solve, train, compare, evaluate, verify, render, convert, generate, "
-            "certify, check-certificate, list\n");
+            "certify, check-certificate, best-known, list\n");
 }
 
 TEST(Help, ShowsAnExampleForEverySubcommand) {

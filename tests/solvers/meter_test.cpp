@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <deque>
+#include <modsearch/solvers/archive.hpp>
 #include <modsearch/solvers/meter.hpp>
 #include <modsearch/solvers/solver.hpp>
 #include <numeric>
@@ -18,6 +19,10 @@ class Script final : public DesignProblem {
   struct Line {
     double score = 0.0;
     bool achieved = true;
+    Failure why = Failure::kUnreachable;  // where not achieved
+    double relative_error = 0.0;
+    double clearance = kInf;
+    double torque_share = 0.0;
   };
   explicit Script(std::deque<Line> lines) : lines_{std::move(lines)} {}
 
@@ -50,7 +55,10 @@ class Script final : public DesignProblem {
     Evaluation evaluation;
     evaluation.score = line.score;
     evaluation.attempt.achieved = evaluation.attempt.reached = line.achieved;
-    evaluation.attempt.why = line.achieved ? Failure::kNone : Failure::kUnreachable;
+    evaluation.attempt.why = line.achieved ? Failure::kNone : line.why;
+    evaluation.attempt.relative_error = line.relative_error;
+    evaluation.attempt.clearance = line.clearance;
+    evaluation.attempt.torque_share = line.torque_share;
     evaluation.attempt.work = {.forward = 3, .ik_iterations = 5, .distances = 7, .planner_states = 11};
     return evaluation;
   }
@@ -95,6 +103,15 @@ TEST(Meter, StopsAtTheTargetScoreOfAnAchievedDesign) {
   Meter meter{{.target_score = 5.0}};
   (void)meter.evaluate(problem, kEmpty);
   EXPECT_EQ(meter.stopped(), std::nullopt);  // a score without the deed does not count
+  (void)meter.evaluate(problem, kEmpty);
+  EXPECT_EQ(meter.stopped(), std::nullopt);
+  (void)meter.evaluate(problem, kEmpty);
+  EXPECT_EQ(meter.stopped(), StopReason::kTargetScore);
+}
+
+TEST(Meter, StopsAtTheFirstAchievedDesignWhateverItsScore) {
+  const Script problem{{{.score = 9.0, .achieved = false}, {.score = -1e9}}};
+  Meter meter{{.target_score = Budget::kFirstAchieved}};
   (void)meter.evaluate(problem, kEmpty);
   EXPECT_EQ(meter.stopped(), std::nullopt);
   (void)meter.evaluate(problem, kEmpty);
@@ -149,6 +166,77 @@ TEST(Meter, TracesEveryImprovementAndNothingElse) {
   EXPECT_EQ(scores, (std::vector<double>{1.0, 7.0, -3.0, 2.0}));
   EXPECT_FALSE(meter.trace()[1].achieved);
   EXPECT_TRUE(meter.trace()[2].achieved);
+}
+
+// Each line comes nearer than the one before, the score says the contrary.
+TEST(Meter, RemembersTheDesignThatCameNearestWhileNothingIsAchieved) {
+  const std::deque<Script::Line> nearer{
+      {.score = 9.0, .achieved = false, .why = Failure::kIncomplete},
+      {.score = 8.0, .achieved = false, .relative_error = 0.5},
+      {.score = 7.0, .achieved = false, .relative_error = 0.1},
+      {.score = 6.0, .achieved = false, .why = Failure::kTorque, .torque_share = 1.7},
+      {.score = 5.0, .achieved = false, .why = Failure::kTorque, .torque_share = 1.2},
+      {.score = 4.0, .achieved = false, .why = Failure::kObstacle, .clearance = -0.02},
+      {.score = 3.0, .achieved = false, .why = Failure::kObstacle, .clearance = -0.01},
+      {.score = 2.0, .achieved = false, .why = Failure::kSelfCollision, .clearance = 0.01},
+      {.score = 1.0, .achieved = false, .why = Failure::kNoPath, .clearance = 0.01}};
+  const Script rising{nearer};
+  Meter meter;
+  for (std::size_t i = 0; i < nearer.size(); ++i) {
+    (void)meter.evaluate(rising, kEmpty);
+    ASSERT_TRUE(meter.nearest().has_value());
+    EXPECT_EQ(meter.nearest()->evaluation.score, nearer[i].score);
+  }
+  EXPECT_EQ(meter.best()->evaluation.score, 9.0);
+  const Script falling{{nearer.rbegin(), nearer.rend()}};
+  Meter other;
+  for (std::size_t i = 0; i < nearer.size(); ++i) (void)other.evaluate(falling, kEmpty);
+  EXPECT_EQ(other.nearest()->evaluation.score, 1.0);
+}
+
+TEST(Meter, TakesAScreeningThatFailsForTheNearestAndOneThatPassesForNothing) {
+  const Script problem{{{.score = 1.0, .achieved = false, .relative_error = 0.5}, {.score = 2.0}}};
+  Meter meter;
+  (void)meter.evaluate(problem, kEmpty, Fidelity::kScreen);
+  (void)meter.evaluate(problem, kEmpty, Fidelity::kScreen);
+  ASSERT_TRUE(meter.nearest().has_value());
+  EXPECT_EQ(meter.nearest()->evaluation.score, 1.0);
+}
+
+TEST(Meter, LeavesEvaluationsThatFailedAndErrorsThatAreNoNumbersOutOfTheNearest) {
+  const Script problem{{{.score = std::nan("")},
+                        {.score = kInf},
+                        {.score = 1.0, .achieved = false, .relative_error = std::nan("")},
+                        {.score = 2.0, .achieved = false, .relative_error = 0.5}}};
+  Meter meter;
+  for (int i = 0; i < 3; ++i) (void)meter.evaluate(problem, kEmpty);
+  EXPECT_FALSE(meter.nearest().has_value());
+  (void)meter.evaluate(problem, kEmpty);
+  EXPECT_EQ(meter.nearest()->evaluation.score, 2.0);
+}
+
+TEST(Meter, ForgetsTheNearestDesignAsSoonAsOneIsAchieved) {
+  const Script problem{{{.score = 1.0, .achieved = false}, {.score = 0.0}, {.score = 2.0, .achieved = false}}};
+  Meter meter;
+  for (int i = 0; i < 3; ++i) (void)meter.evaluate(problem, kEmpty);
+  EXPECT_FALSE(meter.nearest().has_value());
+}
+
+TEST(Meter, KeepsTheNearestDesignInItsArchive) {
+  const Script problem{{{.score = 1.0, .achieved = false, .relative_error = 0.5},
+                        {.score = 1.0, .achieved = false, .relative_error = 0.5},
+                        {.score = 1.0, .achieved = false, .relative_error = 0.5},
+                        {.score = 9.0, .achieved = false, .relative_error = 0.6}}};
+  Meter meter;
+  (void)meter.evaluate(problem, kEmpty);
+  Archive archive;
+  meter.save(archive);
+  Meter other;
+  other.restore(archive, problem);  // evaluates the nearest and the best again
+  (void)other.evaluate(problem, kEmpty);
+  ASSERT_TRUE(other.nearest().has_value());
+  EXPECT_EQ(other.nearest()->evaluation.attempt.relative_error, 0.5);
+  EXPECT_EQ(other.best()->evaluation.score, 9.0);
 }
 
 TEST(Meter, TakesNotANumberForTheWorstScore) {
@@ -271,6 +359,16 @@ TEST(Solver, AnswersWithTheBestOfTheMeter) {
   EXPECT_EQ(solution.reason, "three");
   ASSERT_TRUE(solution.bound.has_value());
   EXPECT_EQ(solution.bound->score, 4.0);
+}
+
+TEST(Solver, NamesTheDesignThatCameNearestBesideTheBestByItsScore) {
+  const Script problem{{{.score = 1.0, .achieved = false, .relative_error = 1.0},
+                        {.score = -4.0, .achieved = false, .relative_error = 0.1}}};
+  Meter meter;
+  const Solution solution = Repeater{2, {}}.solve(problem, meter, Rng{1});
+  EXPECT_EQ(solution.evaluation.score, 1.0);
+  ASSERT_TRUE(solution.nearest.has_value());
+  EXPECT_EQ(solution.nearest->evaluation.score, -4.0);
 }
 
 TEST(Solver, EndsForTheReasonOfTheMeterUnlessItHasAProof) {

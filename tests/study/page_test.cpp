@@ -66,7 +66,8 @@ TEST(Page, KeepsHostileTextOutOfTheMarkup) {
   page.title = page.problem = page.solver = page.seed = page.command = page.verified = page.reason = hostile;
   page.terms[0].name = page.modules[1].type = page.modules[1].parameters[0].name = hostile;
   page.modules[1].parameters[0].unit = page.bodies[0].name = page.bodies[0].shapes[0].name = hostile;
-  page.bodies[0].joints[0].name = page.obstacles[0].name = page.targets[0].name = page.milestones[0].name = hostile;
+  page.bodies[0].joints[0].name = page.obstacles[0].name = page.targets[0].name = page.targets[0].miss =
+      page.milestones[0].name = hostile;
   const std::string html = write_page(page);
 
   for (const char* tag : {"<script", "</script", "<!--", "</title"}) {
@@ -117,6 +118,25 @@ TEST(Page, TakesASolutionWithoutAPath) {
   const nlohmann::json scene = data_of(write_page(demo_page(1)))["scene"];
   EXPECT_EQ(scene["samples"], 1);
   EXPECT_TRUE(scene["times"].empty());
+}
+
+TEST(Page, CarriesWhatIsMissedAndWhatTouches) {
+  Page page = demo_page(1);
+  page.targets[0].miss = "12 mm outside its tolerance";
+  page.touches = {{.body = 1, .obstacle = true, .other = 2, .position = {0.1, 0.2, 0.3}, .depth = 0.004}};
+  const nlohmann::json scene = data_of(write_page(page))["scene"];
+  EXPECT_EQ(scene["targets"][0]["miss"], "12 mm outside its tolerance");
+  EXPECT_EQ(scene["touches"][0]["body"], 1);
+  EXPECT_EQ(scene["touches"][0]["other"], 2);
+  EXPECT_EQ(scene["touches"][0]["position"].dump(), "[0.1,0.2,0.3]");
+  EXPECT_EQ(scene["touches"][0]["depth"], 0.004);
+}
+
+TEST(Page, RefusesATouchOfSomethingThatIsNotThere) {
+  Page page = demo_page(1);
+  const std::string n = std::to_string(page.obstacles.size());
+  page.touches = {{.body = 0, .obstacle = true, .other = static_cast<int>(page.obstacles.size())}};
+  EXPECT_EQ(refusal(page), "write_page: something touches obstacle " + n + " of " + n);
 }
 
 TEST(Page, TakesMeshes) {
