@@ -208,9 +208,9 @@ Page page_of_solution(const RobotProblem& problem, const SolutionRecord& record,
     page.milestones = milestones(problem, arm, *context.path, samples);
   } else {
     const bool has_posture = attempt.postures.rows() > 0 && attempt.postures.cols() == chain.n_joints();
-    add_robot(
-        page, chain, arm,
-        {has_posture ? Eigen::VectorXd{attempt.postures.row(0).transpose()} : home_posture(problem.task(), chain)});
+    add_robot(page, chain, arm,
+              {has_posture ? Eigen::VectorXd{attempt.postures.row(0).transpose()}
+                           : home_posture(problem.task(), arm, problem.scene())});
   }
   for (const TracePoint& point : context.trace) {
     page.trace.push_back({point.evaluations, point.seconds, point.score, point.achieved});
