@@ -103,9 +103,13 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   const bool evaluated = meter.best().has_value();
   if (!evaluated) solution.evaluation.attempt.goal_error = std::numeric_limits<double>::infinity();  // not known
 
-  const Claims claims{.score = solution.evaluation.score, .achieved = solution.evaluation.attempt.achieved};
   std::optional<Verification> verification;
-  if (solution.evaluation.attempt.achieved) verification = verify(*problem, solution.design, claims);
+  if (solution.evaluation.attempt.achieved) {
+    Claims claims{.score = solution.evaluation.score, .achieved = true};
+    if (solution.evaluation.attempt.postures.rows() > 0) claims.postures = solution.evaluation.attempt.postures;
+    verification = verify(*problem, solution.design, claims);
+    solution.evaluation = with_path(std::move(solution.evaluation), *verification);
+  }
 
   SolutionRecord record;
   record.problem = arguments.problem;
@@ -115,11 +119,6 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   record.X_WB = problem->base_pose(solution.design);
   record.evaluation = solution.evaluation;
   if (verification) record.verified = verification->level;
-  if (verification && verification->path) {
-    record.evaluation.attempt.path = verification->path;
-    record.evaluation.attempt.goal_waypoints = verification->path_evaluation.attempt.goal_waypoints;
-    record.evaluation.attempt.step_waypoints = verification->path_evaluation.attempt.step_waypoints;
-  }
   record.solver = chosen.name;
   record.solver_options = chosen.options;
   record.seed = arguments.seed;
@@ -193,6 +192,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
       say("verified     {}{}\n", verification->level,
           verification->level == "path" ? ": a collision-free path from home through all goals"
                                         : fmt::format(" ({})", why_not(*verification)));
+      write_out(home_text(*problem, verification->path));
     }
     say("solver       {}, seed {}: {} evaluations, {:.3f} s\n", arguments.solver, arguments.seed,
         solution.spent.evaluations, solution.spent.seconds);
@@ -212,7 +212,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
 Status evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
   const std::shared_ptr<const RobotProblem> problem = choose_problem(arguments.problem, arguments.instance).problem;
   const Design design = load_design(arguments.design, problem->library());
-  const Evaluation evaluation = problem->evaluate(design);
+  const Evaluation evaluation = problem->evaluate(design, Fidelity::kFull, load_witness(arguments.design));
   if (common.json) {
     print(evaluation_json(*problem, design, evaluation));
   } else {
@@ -239,6 +239,7 @@ Status verify_solution(const VerifyArguments& arguments, const CommonArguments& 
     print(verification_json(verification));
   } else {
     write_out(verification_text(verification));
+    write_out(home_text(*loaded.problem, verification.path));
   }
   return verification.verified ? Status::kSuccess : Status::kNegative;
 }

@@ -18,6 +18,8 @@ namespace modsearch::app {
 /// The outcome of a verification.
 [[nodiscard]] nlohmann::ordered_json verification_json(const Verification& verification);
 [[nodiscard]] std::string verification_text(const Verification& verification);
+/// A line about where the motion begins, where that is neither what the task says nor all joints at 0; else nothing.
+[[nodiscard]] std::string home_text(const RobotProblem& problem, const std::optional<Path>& path);
 
 /// The trace of a search as CSV with a header.
 [[nodiscard]] std::string trace_csv(const std::vector<TracePoint>& trace);
