@@ -46,7 +46,7 @@ std::string presets_text(const LearnerSettings& defaults) {
 Status evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
   const std::shared_ptr<const RobotProblem> problem = choose_problem(arguments.problem, arguments.instance).problem;
   const Design design = load_design(arguments.design, problem->library());
-  const Evaluation evaluation = problem->evaluate(design);
+  const Evaluation evaluation = problem->evaluate(design, Fidelity::kFull, load_witness(arguments.design));
   if (common.json) {
     print(evaluation_json(*problem, design, evaluation));
   } else {
@@ -73,6 +73,7 @@ Status verify_solution(const VerifyArguments& arguments, const CommonArguments& 
     print(verification_json(*loaded.problem, loaded.record.design, verification));
   } else {
     write_out(verification_text(*loaded.problem, loaded.record.design, verification));
+    write_out(home_text(*loaded.problem, verification.path));
   }
   return verification.verified ? Status::kSuccess : Status::kNegative;
 }

@@ -142,6 +142,15 @@ nlohmann::ordered_json verification_json(const RobotProblem& problem, const Desi
   return json;
 }
 
+std::string home_text(const RobotProblem& problem, const std::optional<Path>& path) {
+  if (!path || path->waypoints.rows() == 0 || problem.task().home().size() > 0) return {};
+  const Eigen::RowVectorXd home = path->waypoints.row(0);
+  if ((home.array() == 0.0).all()) return {};
+  std::string joints;
+  for (const double q : home) joints += fmt::format("{}{:.4g}", joints.empty() ? "" : ", ", q);
+  return fmt::format("home         ({}), because all joints at 0 are not free or not within the limits\n", joints);
+}
+
 std::string verification_text(const RobotProblem& problem, const Design& design, const Verification& verification) {
   std::string text = verification.verified
                          ? "verified: achieved, and a collision-free path from home through all goals exists\n"

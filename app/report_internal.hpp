@@ -32,6 +32,8 @@ namespace modsearch::app {
 
 /// Why no design is achieved: reason, and goal, obstacle, module and depth where the proof is about these.
 [[nodiscard]] nlohmann::ordered_json infeasibility_json(const Infeasibility& infeasibility);
+/// A line about where the motion begins, where that is neither what the task says nor all joints at 0; else nothing.
+[[nodiscard]] std::string home_text(const RobotProblem& problem, const std::optional<Path>& path);
 
 /// The trace of a search as CSV with a header.
 [[nodiscard]] std::string trace_csv(const std::vector<TracePoint>& trace);

@@ -81,9 +81,13 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   std::optional<Incumbent> nearest = solution.nearest;  // perhaps screened only
   if (nearest) nearest->evaluation = problem->evaluate(nearest->design);
 
-  const Claims claims{.score = solution.evaluation.score, .achieved = solution.evaluation.attempt.achieved};
   std::optional<Verification> verification;
-  if (solution.evaluation.attempt.achieved) verification = verify(*problem, solution.design, claims);
+  if (solution.evaluation.attempt.achieved) {
+    Claims claims{.score = solution.evaluation.score, .achieved = true};
+    if (solution.evaluation.attempt.postures.rows() > 0) claims.postures = solution.evaluation.attempt.postures;
+    verification = verify(*problem, solution.design, claims);
+    solution.evaluation = with_path(std::move(solution.evaluation), *verification);
+  }
 
   SolutionRecord record;
   record.problem = arguments.problem;
@@ -93,11 +97,6 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   record.X_WB = problem->base_pose(solution.design);
   record.evaluation = solution.evaluation;
   if (verification) record.verified = verification->level;
-  if (verification && verification->path) {
-    record.evaluation.attempt.path = verification->path;
-    record.evaluation.attempt.goal_waypoints = verification->path_evaluation.attempt.goal_waypoints;
-    record.evaluation.attempt.step_waypoints = verification->path_evaluation.attempt.step_waypoints;
-  }
   record.solver = chosen.name;
   record.solver_options = chosen.options;
   record.seed = arguments.seed;
@@ -197,6 +196,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
       say("verified     {}{}\n", verification->level,
           verification->level == "path" ? ": a collision-free path from home through all goals"
                                         : fmt::format(" ({})", why_not(*verification)));
+      write_out(home_text(*problem, verification->path));
     }
     say("solver       {}, seed {}: {} evaluations, {:.3f} s\n", arguments.solver, arguments.seed,
         solution.spent.evaluations, solution.spent.seconds);

@@ -8,6 +8,8 @@
 #include <modsearch/baselines/random_search.hpp>
 #include <modsearch/problem/files.hpp>
 
+#include "problem/drawn_reach.hpp"
+
 namespace modsearch {
 namespace {
 
@@ -42,6 +44,26 @@ void evaluate(benchmark::State& state, const char* scenario, int modules) {
   state.SetItemsProcessed(state.iterations());
 }
 
+// Six drives, three full poses and three boxes, with and without the postures that a search would hand over.
+void reach(benchmark::State& state, Fidelity fidelity, bool witnessed) {
+  std::vector<testing::DrawnReach> drawn;
+  const ProblemFile file = load_problem_file("whitman/3g_3o");
+  for (std::uint64_t i = 0; i < 32; ++i) {
+    std::optional<testing::DrawnReach> reach = testing::drawn_reach(file.instance({0, i})->spec(), Rng{i});
+    if (!reach) continue;
+    const bool achieved = reach->problem->evaluate(reach->design, Fidelity::kFull, {reach->postures}).attempt.achieved;
+    if (achieved) drawn.push_back(*std::move(reach));
+  }
+  std::size_t at = 0;
+  for (auto _ : state) {
+    const testing::DrawnReach& reach = drawn[at];
+    const Witness witness{witnessed ? reach.postures : Eigen::MatrixXd{}};
+    benchmark::DoNotOptimize(reach.problem->evaluate(reach.design, fidelity, witness));
+    at = (at + 1) % drawn.size();
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
 void per_sequence(benchmark::State& state, const char* scenario, Inner inner) {
   const auto problems = instances(scenario);
   for (const auto& problem : problems) {
@@ -65,6 +87,14 @@ void register_all() {
       benchmark::RegisterBenchmark(
           fmt::format("evaluate/{}/{}", scenario, modules == 0 ? "random" : fmt::format("{}_modules", modules)).c_str(),
           [=](benchmark::State& state) { evaluate(state, scenario, modules); });
+    }
+  }
+  for (const auto& [name, fidelity] :
+       {std::pair{"poses", Fidelity::kPoses}, {"screen", Fidelity::kScreen}, {"path", Fidelity::kFull}}) {
+    for (const bool witnessed : {false, true}) {
+      benchmark::RegisterBenchmark(fmt::format("reach/{}/{}", name, witnessed ? "witnessed" : "alone").c_str(),
+                                   [=](benchmark::State& state) { reach(state, fidelity, witnessed); })
+          ->Unit(benchmark::kMicrosecond);
     }
   }
   for (const char* scenario : {"seed/fixed", "seed/random_narrow", "seed/random_wide"}) {

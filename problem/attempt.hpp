@@ -5,6 +5,7 @@
 #include <modsearch/kinematics/path_planning.hpp>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 namespace modsearch {
 
@@ -60,14 +61,20 @@ struct Attempt {
   double goal_error = 0.0;              ///< largest distance of the tip from a goal's nominal position [m]
   /// Mean over the goals of |t - p| / |t - b| where not reached, 0 where reached; |t - b| at least 1e-9 m.
   double relative_error = 0.0;
-  double clearance = std::numeric_limits<double>::infinity();  ///< least over the goals' postures [m]; < 0: overlap
-  double torque_share = 0.0;  ///< largest share of a joint's peak torque at any posture; 0 where these are not limited
-  Eigen::MatrixXd postures;   ///< [n_goals x n_joints]
+  /// Least over the postures of the goals that are reached [m]; < 0: overlap. At a goal that is missed bodies are asked
+  /// whether they overlap, and no more.
+  double clearance = std::numeric_limits<double>::infinity();
+  /// Largest share of a joint's peak torque at the posture of a goal that is reached; 0 where these are not limited.
+  double torque_share = 0.0;
+  Eigen::MatrixXd postures;  ///< [n_goals x n_joints]
   /// Postures at all poses of each trajectory, in the order of the steps that follow one [n_poses x n_joints].
   std::vector<Eigen::MatrixXd> trajectories{};
   std::optional<Path> path;           ///< home through all goals; only at level path, with times where the task has any
   std::vector<int> goal_waypoints;    ///< row of `path` at which each goal is passed [n_goals]
   std::vector<int> step_waypoints{};  ///< row of `path` at which each step is done [n_steps]; no steps: the goals
+  /// Where no path was found: the goals between whose postures the first motion is missing, (from, to); -1: home, or
+  /// a pose that is no goal of its own.
+  std::optional<std::pair<int, int>> missing_motion{};
   Work work;
 };
 

@@ -76,6 +76,20 @@ Design load_design(const std::filesystem::path& file, const ModuleLibrary& libra
   return detail::read_design(root, library);
 }
 
+Witness load_witness(const std::filesystem::path& file) {
+  const detail::JsonDocument document = detail::load_json(file);
+  Witness witness;
+  if (!document.root.is_object() || !document.root.contains("postures")) return witness;
+  const std::vector<detail::JsonCursor> rows = document.cursor().at("postures").items();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Eigen::VectorXd q =
+        i == 0 ? rows[i].vector() : rows[i].vector(static_cast<std::size_t>(witness.postures.cols()));
+    if (i == 0) witness.postures.resize(static_cast<Eigen::Index>(rows.size()), q.size());
+    witness.postures.row(static_cast<Eigen::Index>(i)) = q.transpose();
+  }
+  return witness;
+}
+
 std::string design_to_json(const ModuleLibrary& library, const Design& design) {
   check(library, design);
   return detail::to_text(detail::to_json(library, design));

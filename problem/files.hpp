@@ -84,6 +84,9 @@ struct TaskFile {
 
 /// Reads a design for `library`: a JSON array [{"type":.., "parameters":{..}}], or a solution file that holds one.
 [[nodiscard]] Design load_design(const std::filesystem::path& file, const ModuleLibrary& library);
+/// The postures that a solution file gives for the goals of its task, for an evaluation of its design; none where the
+/// file holds a design alone.
+[[nodiscard]] Witness load_witness(const std::filesystem::path& file);
 /// A design as JSON text, the inverse of load_design.
 [[nodiscard]] std::string design_to_json(const ModuleLibrary& library, const Design& design);
 

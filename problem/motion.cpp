@@ -112,10 +112,11 @@ std::vector<std::size_t> order_of(const Task& task, const Chain& chain, const st
 class Motion {
  public:
   Motion(const Task& task, const Arm& arm, const Scene& scene, const AttemptOptions& options,
-         const Eigen::VectorXd& home, Attempt& attempt)
+         const Eigen::VectorXd& home, LegPlanner& legs, Attempt& attempt)
       : arm_{arm},
         scene_{scene},
         options_{options},
+        legs_{legs},
         attempt_{attempt},
         timed_{is_timed(task, scene)},
         rows_{home},
@@ -124,10 +125,7 @@ class Motion {
   // The arm moves to `q`, and stands there for `hold` seconds at least before it goes on.
   [[nodiscard]] Failure go_to(const Eigen::VectorXd& q, double hold) {
     const bool first = rows_.size() == 1;
-    const Plan plan = scene_.any_moves()
-                          ? plan_in_time(arm_, scene_, rows_.back(), times_.back(), q, hold, {.plan = options_.planner})
-                          : plan_path(arm_, scene_, rows_.back(), q, options_.planner);
-    attempt_.work += plan.work;
+    const Plan plan = legs_.plan(rows_.back(), times_.back(), q, hold, attempt_.work);
     switch (plan.status) {
       case PlanStatus::kExact:
         break;
@@ -228,6 +226,7 @@ class Motion {
   const Arm& arm_;
   const Scene& scene_;
   const AttemptOptions& options_;
+  LegPlanner& legs_;
   Attempt& attempt_;
   bool timed_;
   std::vector<Eigen::VectorXd> rows_;
@@ -243,36 +242,43 @@ double pause_after(const std::vector<Act>& acts, const std::vector<std::size_t>&
   return seconds;
 }
 
+// The goal whose posture the arm assumes by act `act`; -1: none of its own.
+int goal_of(const Act& act) {
+  return act.step->kind == Kind::kVisit || act.step->kind == Kind::kReturn ? act.step->goal : -1;
+}
+
 }  // namespace
 
-Failure plan_motion(const Task& task, const Arm& arm, const Scene& scene, const AttemptOptions& options,
-                    Attempt& attempt) {
-  const Eigen::VectorXd home = home_posture(task, arm.chain());
+MotionEnd plan_motion(const Task& task, const Arm& arm, const Scene& scene, const AttemptOptions& options,
+                      const Eigen::VectorXd& home, LegPlanner& legs, Attempt& attempt) {
   const std::vector<TaskStep> steps = steps_of(task);
   const std::vector<Act> acts = acts_of(steps, home, attempt);
   const std::vector<std::size_t> order = order_of(task, arm.chain(), acts, home);
-  Motion motion{task, arm, scene, options, home, attempt};
+  Motion motion{task, arm, scene, options, home, legs, attempt};
   attempt.goal_waypoints.assign(task.goals().size(), 0);
   attempt.step_waypoints.assign(steps.size(), 0);
 
+  int at = -1;  // the goal at whose posture the arm is
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Act& act = acts[order[i]];
     const TaskStep& step = *act.step;
     if (step.kind == Kind::kPause) {
       // The first pause of all is at home: the others have been seen to by the motion before.
       if (motion.last_row() == 0) {
-        if (const Failure failure = motion.go_to(home, step.duration); failure != Failure::kNone) return failure;
+        if (const Failure failure = motion.go_to(home, step.duration); failure != Failure::kNone) return {failure};
       }
       motion.wait(step.duration);
     } else {
       const double hold = step.kind == Kind::kFollow ? 0.0 : pause_after(acts, order, i);
-      if (const Failure failure = motion.go_to(act.begin, hold); failure != Failure::kNone) return failure;
+      const Failure failure = motion.go_to(act.begin, hold);
+      if (failure != Failure::kNone) return {failure, at, goal_of(act)};
+      at = goal_of(act);
     }
     if (step.kind == Kind::kVisit) attempt.goal_waypoints[static_cast<std::size_t>(step.goal)] = motion.last_row();
     if (step.kind == Kind::kFollow) {
       std::vector<int> rows;
       const Failure failure = motion.run_along(*act.rows, *step.trajectory, pause_after(acts, order, i), rows);
-      if (failure != Failure::kNone) return failure;
+      if (failure != Failure::kNone) return {failure};
       for (int k = 0; k < step.n_goals; ++k) {
         const auto knot = static_cast<std::size_t>(step.knots[static_cast<std::size_t>(k)]);
         attempt.goal_waypoints[static_cast<std::size_t>(step.goal + k)] = rows[knot];
@@ -281,7 +287,7 @@ Failure plan_motion(const Task& task, const Arm& arm, const Scene& scene, const 
     attempt.step_waypoints[order[i]] = motion.last_row();
   }
   attempt.path = motion.path();
-  return Failure::kNone;
+  return {};
 }
 
 }  // namespace modsearch::detail

@@ -1,9 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <modsearch/problem/posture_choice_internal.hpp>
+#include <optional>
+#include <utility>
 
 namespace modsearch::detail {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Whether turning the frame of the shape about its z axis leaves the shape where it is.
 bool turns_invisibly(const ArmGeometry& geometry) {
@@ -45,6 +49,16 @@ bool clearance_matters(const Arm& arm, const Scene& scene, Level level) {
          (looks_at_itself(level) && !arm.chain().self_pairs().empty());
 }
 
+bool is_mesh(const Shape& shape) { return std::holds_alternative<Mesh>(shape); }
+
+bool has_meshes(const Arm& arm, const Scene& scene) {
+  const auto any = [](const auto& shapes) {
+    return std::any_of(shapes.begin(), shapes.end(), [](const auto& each) { return is_mesh(each.shape); });
+  };
+  return any(arm.geometries()) || std::any_of(scene.obstacles().begin(), scene.obstacles().end(),
+                                              [&](const Obstacle& obstacle) { return any(obstacle.shapes); });
+}
+
 // Any joint has a peak torque.
 bool torques_matter(const Task& task, const Arm& arm) {
   return task.statics().limited && std::any_of(arm.chain().joints().begin(), arm.chain().joints().end(),
@@ -57,7 +71,12 @@ bool looks_at_obstacles(Level level) { return level != Level::kNone; }
 bool looks_at_itself(Level level) { return level == Level::kPostureSelf || level == Level::kPath; }
 
 PostureJudge::PostureJudge(const Task& task, const Arm& arm, const Scene& scene, const AttemptOptions& options)
-    : arm_{arm}, scene_{scene}, level_{options.level}, torques_{torques_matter(task, arm)}, ik_{options.ik} {
+    : arm_{arm},
+      scene_{scene},
+      level_{options.level},
+      torques_{torques_matter(task, arm)},
+      meshes_{has_meshes(arm, scene)},
+      ik_{options.ik} {
   choosy_ = clearance_matters(arm, scene, level_);
   // Postures that place every body alike need not be told apart, unless the joints bear them differently.
   ik_.all = torques_ || (choosy_ && single_turn_shows(arm));
@@ -65,25 +84,97 @@ PostureJudge::PostureJudge(const Task& task, const Arm& arm, const Scene& scene,
   choosy_ = choosy_ || torques_;
 }
 
-Candidate PostureJudge::judge(const Eigen::VectorXd& q, const StaticLoad& load, Work& work) {
-  Candidate result{.q = q};
-  if (!looks_at_obstacles(level_) && !torques_) return result;
+void PostureJudge::pose(const Eigen::VectorXd& q, Work& work) {
   arm_.forward(q.data(), posture_);
   ++work.forward;
-  if (torques_) result.torque_share = torque_share(arm_.chain(), static_torques(arm_, posture_, load));
-  if (looks_at_obstacles(level_)) result.obstacle_clearance = scene_.clearance(arm_, posture_, work);
-  if (looks_at_itself(level_)) result.self_clearance = self_clearance(arm_, posture_, work);
+}
+
+Failure PostureJudge::touched(Work& work) const {
+  if (looks_at_obstacles(level_) && scene_.collides(arm_, posture_, work)) return Failure::kObstacle;
+  if (looks_at_itself(level_) && self_collides(arm_, posture_, work)) return Failure::kSelfCollision;
+  return Failure::kNone;
+}
+
+void PostureJudge::measure(Candidate& candidate, double ceiling, double floor, Work& work) const {
+  if (looks_at_obstacles(level_)) {
+    candidate.obstacle_clearance = scene_.clearance(arm_, posture_, work, ceiling, floor);
+  }
+  if (candidate.obstacle_clearance <= floor || !looks_at_itself(level_)) return;
+  candidate.self_clearance = self_clearance(arm_, posture_, work, candidate.obstacle_clearance, floor);
+}
+
+double PostureJudge::share(const StaticLoad& load) const {
+  return torques_ ? torque_share(arm_.chain(), static_torques(arm_, posture_, load)) : 0.0;
+}
+
+Candidate PostureJudge::judge(const Eigen::VectorXd& q, const StaticLoad& load, Work& work, double ceiling) {
+  Candidate result{.q = q};
+  if (!choosy_) return result;
+  pose(q, work);
+  result.torque_share = share(load);
+  measure(result, ceiling, -kInfinity, work);
   return result;
 }
 
-Candidate PostureJudge::best(const IkSolution& solution, const StaticLoad& load, Work& work) {
-  if (!choosy_) return {.q = solution.postures.front()};
-  Candidate best = judge(solution.postures.front(), load, work);
-  for (std::size_t i = 1; i < solution.postures.size(); ++i) {
-    Candidate other = judge(solution.postures[i], load, work);
-    if (other.better_than(best)) best = std::move(other);
+Candidate PostureJudge::best(const IkSolution& solution, const StaticLoad& load, double ceiling, Work& work) {
+  const std::vector<Eigen::VectorXd>& postures = solution.postures;
+  if (postures.size() == 1) return judge(postures.front(), load, work, ceiling);
+  if (!choosy_) return {.q = postures.front()};
+  std::vector<double> shares(postures.size(), 0.0);
+  for (std::size_t i = 0; torques_ && i < postures.size(); ++i) {
+    pose(postures[i], work);
+    shares[i] = share(load);
   }
-  return best;
+  const bool held = std::any_of(shares.begin(), shares.end(), [](double each) { return each <= 1.0; });
+  std::optional<Candidate> best;
+  const auto look_at_all = [&](bool free_ones_only) {
+    for (std::size_t i = 0; i < postures.size(); ++i) {
+      if (held && shares[i] > 1.0) continue;
+      pose(postures[i], work);
+      if (free_ones_only && touched(work) != Failure::kNone) continue;
+      Candidate other{.q = postures[i], .torque_share = shares[i]};
+      measure(other, kInfinity, best ? best->clearance() : -kInfinity, work);
+      if (!best || other.clearance() > best->clearance()) best = std::move(other);
+    }
+  };
+  // Where anything is free, how deep the others overlap is of no interest.
+  if (meshes_) look_at_all(true);
+  if (!best) look_at_all(false);
+  return *std::move(best);
+}
+
+Candidate PostureJudge::free_one(const IkSolution& solution, Work& work) {
+  std::optional<Candidate> first;
+  for (const Eigen::VectorXd& q : solution.postures) {
+    Candidate other{.q = q};
+    if (!choosy_) return other;
+    pose(q, work);
+    other.touches = touched(work);
+    if (other.touches == Failure::kNone) return other;
+    if (!first) first = std::move(other);
+  }
+  return *std::move(first);
+}
+
+std::vector<Candidate> PostureJudge::others(const IkSolution& solution, const Eigen::VectorXd& first,
+                                            const StaticLoad& load, Work& work) {
+  constexpr double kAlike = 0.3;  // in every joint [rad] or [m]: about the same way there (arbitrary)
+  const auto alike = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return a.size() == 0 || (a - b).cwiseAbs().maxCoeff() < kAlike;
+  };
+  std::vector<Candidate> result;
+  for (const Eigen::VectorXd& q : solution.postures) {
+    const bool known = alike(q, first) || std::any_of(result.begin(), result.end(),
+                                                      [&](const Candidate& other) { return alike(q, other.q); });
+    if (known) continue;
+    pose(q, work);
+    if (touched(work) != Failure::kNone) continue;
+    Candidate other = judge(q, load, work);
+    if (other.holds() && other.collision() == Failure::kNone) result.push_back(std::move(other));
+  }
+  std::stable_sort(result.begin(), result.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.clearance() > b.clearance(); });
+  return result;
 }
 
 }  // namespace modsearch::detail

@@ -24,7 +24,9 @@ struct AttemptOptions {
   FollowOptions follow{};
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();  ///< position of the base, for the relative error
   double time_step = 0.01;                         ///< motions take whole steps, where a task has times [s]
-  Witness witness{};  ///< the postures to look at, in place of inverse kinematics; empty: none
+  /// The postures to look at, in place of inverse kinematics; empty, of another size or not finite: none. One outside
+  /// the joint limits counts as the nearest within them, a trajectory begins at that of its first knot.
+  Witness witness{};
 };
 
 /// What the arm bears while it stands still, and whether its joints have to be strong enough for it.
@@ -50,13 +52,14 @@ class Task {
   /// before them.
   [[nodiscard]] virtual bool any_order() const { return false; }
   [[nodiscard]] virtual Statics statics() const { return {}; }
-  /// Joint configuration the motion starts from, clamped into the limits; empty: all joints 0.
+  /// Joint configuration the motion starts from, clamped into the limits; empty: none is asked for (home_posture).
   [[nodiscard]] virtual Eigen::VectorXd home() const { return {}; }
   /// The task as numbers of fixed length, about in [-1, 1] for an arm of a few metres; by default the goals' positions.
   [[nodiscard]] virtual Eigen::VectorXd features() const;
   /// Tries to fulfil the goals with `arm` among `scene`. By default: inverse kinematics goal by goal, the posture with
   /// the largest clearance among equally close ones that the joints can hold, trajectories pose by pose from there, the
-  /// collision level, and at level path a motion from home through all steps.
+  /// collision level, and at level path a motion from home through all steps: where none is found, through other
+  /// postures that are free (docs/tasks.md).
   [[nodiscard]] virtual Attempt attempt(const Arm& arm, const Scene& scene, const AttemptOptions& options) const;
   /// Rows of the smooth program that the goals cannot say; nothing by default.
   virtual void add_rows(RowSink& sink, const Chain& chain) const;
@@ -93,9 +96,10 @@ class GoalTask final : public Task {
   GoalTaskSpec spec_;
 };
 
-/// The joint configuration a motion of `arm` starts from: the task's home filled with zeros and clamped into the
-/// limits.
-[[nodiscard]] Eigen::VectorXd home_posture(const Task& task, const Chain& chain);
+/// The joint configuration a motion of `arm` starts from (PROBLEM 3): the task's home, filled with zeros and clamped
+/// into the limits, whatever stands there. A task without one: all joints 0, clamped, where that touches nothing; else
+/// the first posture that does of a fixed low-discrepancy set over the limits; else, of 256 all in vain, all joints 0.
+[[nodiscard]] Eigen::VectorXd home_posture(const Task& task, const Arm& arm, const Scene& scene);
 
 /// The steps of a task; every goal visited in turn where it declares none.
 [[nodiscard]] std::vector<TaskStep> steps_of(const Task& task);

@@ -68,6 +68,17 @@ void check_postures(const RobotProblem& problem, const Arm& arm, const Eigen::Ma
   }
 }
 
+// " from .. to ..", where the attempt says between which goals no path was found.
+std::string missing_motion(const Task& task, const Attempt& attempt) {
+  if (!attempt.missing_motion) return {};
+  const auto place = [&](int goal) {
+    return goal < 0 ? std::string{} : fmt::format("goal '{}'", task.goals()[static_cast<std::size_t>(goal)].id);
+  };
+  const auto [from, to] = *attempt.missing_motion;
+  if (to < 0) return {};
+  return fmt::format(" {} to {}", from < 0 ? "on the way" : "from " + place(from), place(to));
+}
+
 // Looks whether a claimed path does what the task asks for, step by step.
 class PathReader {
  public:
@@ -80,7 +91,7 @@ class PathReader {
                                       path_.waypoints.cols(), arm_.n_joints()));
       return false;
     }
-    const Eigen::VectorXd home = home_posture(problem_.task(), arm_.chain());
+    const Eigen::VectorXd home = home_posture(problem_.task(), arm_, problem_.scene());
     const double off = (path_.waypoints.row(0).transpose() - home).cwiseAbs().maxCoeff();
     if (off > kPostureSlack) {
       findings_.push_back(fmt::format("the path given starts {:.3g} rad away from home", off));
@@ -223,8 +234,9 @@ Verification verify(const RobotProblem& problem, const Design& design, const Cla
                     const VerificationOptions& options) {
   Verification result;
   const RobotProblem at_path_level = problem.with_level(Level::kPath);
-  result.evaluation = problem.evaluate(design);
-  result.path_evaluation = at_path_level.evaluate(design);
+  const Witness witness{claims.postures.value_or(Eigen::MatrixXd{})};
+  result.evaluation = problem.evaluate(design, Fidelity::kFull, witness);
+  result.path_evaluation = at_path_level.evaluate(design, Fidelity::kFull, witness);
   check_claims(claims, result.evaluation, result.findings);
   check_lengths(claims, result.evaluation.attempt, result.path_evaluation.attempt, result.findings);
 
@@ -234,10 +246,11 @@ Verification verify(const RobotProblem& problem, const Design& design, const Cla
   const Arm arm = chain->at(design.parameters());
   if (claims.postures) check_postures(problem, arm, *claims.postures, result.findings);
 
-  const Evaluation screen = at_path_level.evaluate(design, Fidelity::kScreen);
+  const Evaluation screen = at_path_level.evaluate(design, Fidelity::kScreen, witness);
   if (screen.attempt.achieved) result.level = "posture";
   if (!attempt.achieved) {
-    result.findings.push_back(fmt::format("not achieved at level path: {}", name(attempt.why)));
+    result.findings.push_back(fmt::format("not achieved at level path: {}{}", name(attempt.why),
+                                          missing_motion(at_path_level.task(), attempt)));
   }
 
   if (claims.path && claims.path->waypoints.rows() > 0) {
@@ -268,6 +281,21 @@ Verification verify(const RobotProblem& problem, const Design& design, const Cla
   }
   result.verified = result.level == "path" && result.findings.empty();
   return result;
+}
+
+Evaluation with_path(Evaluation found, const Verification& verification) {
+  const Attempt& planned = verification.path_evaluation.attempt;
+  if (!planned.path) return found;
+  Attempt& attempt = found.attempt;
+  attempt.path = planned.path;
+  attempt.postures = planned.postures;
+  attempt.goal_waypoints = planned.goal_waypoints;
+  attempt.step_waypoints = planned.step_waypoints;
+  attempt.goal_error = planned.goal_error;
+  attempt.clearance = planned.clearance;
+  attempt.torque_share = planned.torque_share;
+  attempt.trajectories = planned.trajectories;
+  return found;
 }
 
 }  // namespace modsearch

@@ -14,7 +14,7 @@ struct Claims {
   std::optional<bool> achieved{};
   std::optional<double> goal_error{};         ///< [m]
   std::optional<double> clearance{};          ///< at the postures [m]; infinite without obstacles
-  std::optional<Eigen::MatrixXd> postures{};  ///< [n_goals x n_joints]
+  std::optional<Eigen::MatrixXd> postures{};  ///< [n_goals x n_joints]; the design is evaluated with them as witnesses
   std::optional<Path> path{};                 ///< home through all goals
 };
 
@@ -35,9 +35,14 @@ struct Verification {
 };
 
 /// Evaluates `design` again from scratch, at the problem's level and at level path, checks every segment of its path
-/// finer than the planner did, and holds the claims against the result. Nothing is taken over from the claims. Throws
-/// std::invalid_argument for a design outside the search space.
+/// finer than the planner did, and holds the claims against the result. Nothing is taken over from the claims but
+/// postures to try first, which are checked like any other. Throws std::invalid_argument for a design outside the
+/// search space.
 [[nodiscard]] Verification verify(const RobotProblem& problem, const Design& design, const Claims& claims = {},
                                   const VerificationOptions& options = {});
+
+/// What a solution says of a design that was evaluated as `found` and then verified: where that gave a path, the path,
+/// and the postures that it passes through at the goals, with their goal error and clearance.
+[[nodiscard]] Evaluation with_path(Evaluation found, const Verification& verification);
 
 }  // namespace modsearch

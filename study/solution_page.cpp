@@ -156,11 +156,11 @@ void add_scene(Page& page, const RobotProblem& problem, const std::optional<Samp
 }
 
 // The posture to show of a design that has no motion: where it first misses something, else at the first goal.
-Eigen::VectorXd telling_posture(const RobotProblem& problem, const Chain& chain, const Attempt& attempt,
+Eigen::VectorXd telling_posture(const RobotProblem& problem, const Arm& arm, const Attempt& attempt,
                                 const NearestMiss& missed) {
-  const bool has_postures = attempt.postures.rows() > 0 && attempt.postures.cols() == chain.n_joints();
+  const bool has_postures = attempt.postures.rows() > 0 && attempt.postures.cols() == arm.n_joints();
   const bool at_home = !missed.misses.empty() && missed.misses.front().why == Failure::kHomeInCollision;
-  if (!has_postures || at_home) return home_posture(problem.task(), chain);
+  if (!has_postures || at_home) return home_posture(problem.task(), arm, problem.scene());
   const auto first = std::find_if(missed.misses.begin(), missed.misses.end(), [&](const Miss& miss) {
     return miss.goal >= 0 && miss.goal < attempt.postures.rows();
   });
@@ -241,7 +241,7 @@ Page page_of_solution(const RobotProblem& problem, const SolutionRecord& record,
     page.milestones = milestones(problem, arm, *context.path, samples);
   } else {
     const NearestMiss missed = nearest_miss(problem, record.design, record.evaluation);
-    add_robot(page, chain, arm, {telling_posture(problem, chain, attempt, missed)});
+    add_robot(page, chain, arm, {telling_posture(problem, arm, attempt, missed)});
     add_misses(page, missed);
   }
   for (const TracePoint& point : context.trace) {

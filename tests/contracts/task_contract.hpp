@@ -52,7 +52,7 @@ inline void expect_sound_attempt(const Task& task, const Arm& arm, const Scene& 
   }
   if (attempt.path && attempt.achieved) {
     const Eigen::MatrixXd& waypoints = attempt.path->waypoints;
-    EXPECT_EQ(waypoints.row(0).transpose(), home_posture(task, arm.chain())) << "a motion begins at home";
+    EXPECT_EQ(waypoints.row(0).transpose(), home_posture(task, arm, scene)) << "a motion begins at home";
     ASSERT_EQ(attempt.goal_waypoints.size(), static_cast<std::size_t>(n_goals));
     ASSERT_EQ(attempt.step_waypoints.size(), steps_of(task).size());
     EXPECT_TRUE(task.any_order() || std::is_sorted(attempt.step_waypoints.begin(), attempt.step_waypoints.end()));

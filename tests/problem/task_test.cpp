@@ -66,12 +66,31 @@ TEST(Attempt, LooksAtOnePostureOfEveryOneModuleDesignThatIsNoHinge) {
   }
 }
 
+// What overlaps costs points even where the goal is missed; how much room there is matters to nobody then.
+TEST(Attempt, ThatMissesSaysWhetherItCollidesAndMeasuresNothing) {
+  const AffineShape ball{AffineShape::Kind::kSphere, {0.05}, nullptr};
+  const Chain chain = coaxial_pair(ball, true);  // the body stands anywhere on a circle of 0.3 m about the axis
+  const GoalTask task{"t", {{"1", GoalType::kReach, PoseRegion::ball({0.5, 0.0, 2.0}, 1e-3)}}};
+  const auto missed = [&](double radius) {
+    const Scene scene{{{"ball", {{Sphere{radius}, Eigen::Isometry3d{Eigen::Translation3d{0.3, 0.0, 0.5}}}}}}};
+    return task.attempt(chain.at(Eigen::VectorXd{0}), scene, AttemptOptions{});
+  };
+  const Attempt free = missed(0.1);  // the far side is 0.6 m away
+  EXPECT_FALSE(free.reached);
+  EXPECT_FALSE(free.collides);
+  EXPECT_EQ(free.clearance, std::numeric_limits<double>::infinity());
+  const Attempt inside = missed(0.7);
+  EXPECT_TRUE(inside.collides);
+  EXPECT_EQ(inside.why, Failure::kProvedInfeasible);  // 2 m up, the arm ends 1 m up
+  EXPECT_EQ(inside.clearance, std::numeric_limits<double>::infinity());
+}
+
 // A target on the base's axis: the rotary's elbow may point anywhere, and that shows.
 TEST(Attempt, StillTurnsTheElbowWhereTheTargetIsOnTheAxis) {
   RobotProblemSpec spec = load_problem_file("seed/random_obstacles").spec;
   spec.task = std::make_shared<GoalTask>(
-      "above", std::vector<Goal>{{"1", GoalType::kReach, PoseRegion::ball({0.0, 0.0, 1.5}, 1e-3)}});
-  const RobotProblem problem{spec};
+      "above", std::vector<Goal>{{"1", GoalType::kReach, PoseRegion::ball({0.0, 0.0, 1.5}, 1.2)}});
+  const RobotProblem problem{spec};  // the tip is 0.645 m beside the axis, 0.845 m below: 1.06 m away all round
   const int k = problem.library().find("rotary").value();
   const Design design{{{k, Parameters{{0.6, 0.7}}}}};
   const Evaluation evaluation = problem.evaluate(design);
