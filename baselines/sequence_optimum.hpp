@@ -22,8 +22,10 @@ struct SequenceOutcome {
 
 /// Solves the smooth program of one type sequence from several starts and evaluates every optimum for real. The program
 /// is a relaxation (it ignores which posture the score looks at): where its optimum is in collision after all, it is
-/// solved again with a larger clearance. A program that throws or is not a number fails alone; the meter's stop is
-/// heard at once. `bound`: no design of the sequence scores more, so a design that does ends the work.
+/// solved again with a larger clearance. Where it is feasible and the poses are missed after all, because a trajectory
+/// leaves its tolerance between the knots of the program, it is solved again with more knots and some room. A program
+/// that throws or is not a number fails alone; the meter's stop is heard at once. `bound`: no design of the sequence
+/// scores more, so a design that does ends the work.
 SequenceOutcome optimise_sequence(const DesignProblem& problem, std::span<const int> types, double bound,
                                   const PerSequenceOptions& options, Meter& meter, Rng rng);
 

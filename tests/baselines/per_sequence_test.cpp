@@ -5,6 +5,7 @@
 #include <modsearch/baselines/per_sequence.hpp>
 #include <modsearch/problem/files.hpp>
 #include <modsearch/solvers/verification.hpp>
+#include <numbers>
 
 #include "contracts/problem_contract.hpp"
 #include "problem/one_module_optimum.hpp"
@@ -181,6 +182,41 @@ TEST(PerSequence, SolvesTwoGoalsWithOneDesign) {
   EXPECT_EQ(solution.design.modules.size(), 2u);
   const Verification verification = verify(problem, solution.design);
   EXPECT_TRUE(verification.verified);
+}
+
+// A circle of radius 0.2 m about a point 0.9 m away, in 73 poses to 2 mm, with the tool pointing down within a cone.
+// With the 8 knots of the task's goals the program of two hinges is feasible and its design leaves the circle between
+// them.
+TEST(PerSequence, FollowsATrajectoryThatItsKnotsAloneDoNotHold) {
+  constexpr int kSteps = 72;
+  Trajectory circle;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kSteps;
+    Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+    X.linear() = Eigen::Vector3d{1.0, -1.0, -1.0}.asDiagonal();
+    X.translation() = Eigen::Vector3d{0.9 + 0.2 * std::cos(angle), 0.2 * std::sin(angle), 0.6};
+    circle.poses.push_back({X,
+                            {{Projection::kRSph, 0.0, 0.002, Eigen::Matrix3d::Identity()},
+                             {Projection::kNx, -0.25, 0.25, Eigen::Matrix3d::Identity()},
+                             {Projection::kNy, -0.25, 0.25, Eigen::Matrix3d::Identity()}}});
+  }
+  const FollowStep step = follow("circle", circle, 0);
+  RobotProblemSpec spec = load_problem_file("seed/fixed").instance()->spec();
+  spec.max_modules = 3;
+  spec.task = std::make_shared<GoalTask>(GoalTaskSpec{.name = "circle", .goals = step.goals, .steps = {step.step}});
+  const RobotProblem problem{spec};
+
+  const int hinge = problem.library().find("hinge").value();
+  const std::vector<int> hinges{hinge, hinge};
+  const std::unique_ptr<SmoothProgram> program = problem.relax(hinges);
+  Meter meter;
+  const InnerResult result = minimise(Inner::kOwn, *program, program->start(0), {.first_penalty = 1e3}, meter);
+  EXPECT_EQ(result.status, InnerStatus::kConverged);
+  EXPECT_FALSE(problem.evaluate(program->design(result.v)).attempt.reached);
+
+  const Solution best = PerSequence{}.solve(problem, meter, Rng{0});
+  EXPECT_TRUE(best.evaluation.attempt.achieved);
+  EXPECT_EQ(best.design.types(), hinges);
 }
 
 // seed/fixed, but the smooth programs of some sequences do what users' programs do.
