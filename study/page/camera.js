@@ -88,6 +88,7 @@ class Labels {
   }
   place(camera, width, height) {
     const scale = height / (2 * Math.tan((camera.fov * Math.PI) / 360));
+    const placed = [];  // {left, top, right, bottom} of the labels so far
     for (const {node, label} of this.items) {
       const seen = label.position.clone().project(camera);
       node.hidden = seen.z > 1 || Math.abs(seen.x) > 1.05 || Math.abs(seen.y) > 1.05;
@@ -99,7 +100,16 @@ class Labels {
       const beside = x + away + box[0] <= width - 6;
       const left = beside ? x + away : Math.min(x - box[0] / 2, width - box[0] - 6);
       const above = y - away - box[1];
-      const top = beside ? y - box[1] / 2 : above < kMargins.top ? y + away : above;
+      let top = beside ? y - box[1] / 2 : above < kMargins.top ? y + away : above;
+      // Below whatever label is there already; as often as there are labels at most.
+      for (let i = 0; i < placed.length; ++i) {
+        const hit = placed.find(
+            (other) => left < other.right && left + box[0] > other.left && top < other.bottom &&
+                top + box[1] > other.top);
+        if (!hit) break;
+        top = hit.bottom + 4;
+      }
+      placed.push({left, top, right: left + box[0], bottom: top + box[1]});
       node.style.transform = `translate(${Math.round(left)}px, ${Math.round(top)}px)`;
     }
   }

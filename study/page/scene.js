@@ -181,7 +181,7 @@ class World {
       note: target.tolerance > 0 ? `± ${length(target.tolerance)}` : "",
       miss: target.miss,
       position: centre,
-      radius: Math.max(ring_radius, 1.2 * axis_reach)
+      radius: ring_radius
     });
   }
 
