@@ -79,7 +79,10 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   if (!evaluated) solution.evaluation.attempt.goal_error = std::numeric_limits<double>::infinity();  // not known
 
   std::optional<Incumbent> nearest = solution.nearest;  // perhaps screened only
-  if (nearest) nearest->evaluation = problem->evaluate(nearest->design);
+  if (nearest) {
+    const Witness witness{.postures = nearest->evaluation.attempt.postures};
+    nearest->evaluation = problem->evaluate(nearest->design, Fidelity::kFull, witness);
+  }
 
   std::optional<Verification> verification;
   if (solution.evaluation.attempt.achieved) {

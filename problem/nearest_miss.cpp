@@ -87,7 +87,7 @@ class Inspection {
   }
 
   [[nodiscard]] Miss at_home() const {
-    const Stance home{.place = "home", .q = home_posture(problem_.task(), *chain_)};
+    const Stance home{.place = "home", .q = home_posture(problem_.task(), arm_, problem_.scene())};
     Miss miss = overlap(home).value_or(Miss{.place = home.place, .words = "home: the arm is in collision there"});
     miss.why = Failure::kHomeInCollision;
     return miss;
