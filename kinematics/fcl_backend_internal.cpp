@@ -151,4 +151,13 @@ Separation mesh_separation(const Shape& a, const Isometry3d& X_WA, const Mesh& b
   return trees_of(b).balls->nearest(a, X_WA, *b.triangles, X_WB);
 }
 
+double distance_within(const Shape& a, const Isometry3d& X_WA, const Shape& b, const Isometry3d& X_WB, double ceiling,
+                       double floor) {
+  const Mesh* mesh_a = std::get_if<Mesh>(&a);
+  const Mesh* mesh_b = std::get_if<Mesh>(&b);
+  if ((mesh_a == nullptr) == (mesh_b == nullptr)) return std::min(ceiling, signed_distance(a, X_WA, b, X_WB));
+  if (mesh_a != nullptr) return distance_within(b, X_WB, a, X_WA, ceiling, floor);
+  return trees_of(*mesh_b).balls->nearest(a, X_WA, *mesh_b->triangles, X_WB, ceiling, floor).distance;
+}
+
 }  // namespace modsearch::detail

@@ -16,4 +16,9 @@ namespace modsearch::detail {
 [[nodiscard]] Separation mesh_separation(const Shape& a, const Eigen::Isometry3d& X_WA, const Mesh& b,
                                          const Eigen::Isometry3d& X_WB);
 
+/// signed_distance, but never more than `ceiling`, and where it is at most `floor` any number between it and `floor`:
+/// a mesh is not searched for more than that. Which of the two shapes is a mesh, if any, does not matter.
+[[nodiscard]] double distance_within(const Shape& a, const Eigen::Isometry3d& X_WA, const Shape& b,
+                                     const Eigen::Isometry3d& X_WB, double ceiling, double floor);
+
 }  // namespace modsearch::detail

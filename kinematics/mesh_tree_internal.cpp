@@ -65,17 +65,17 @@ void MeshTree::build(const TriangleMesh& mesh, std::size_t node, std::vector<int
   build(mesh, children + 1, order, middle, end);
 }
 
-Separation MeshTree::nearest(const Shape& a, const Isometry3d& X_WA, const TriangleMesh& mesh,
-                             const Isometry3d& X_WB) const {
+Separation MeshTree::nearest(const Shape& a, const Isometry3d& X_WA, const TriangleMesh& mesh, const Isometry3d& X_WB,
+                             double ceiling, double floor) const {
   Separation best;
-  best.distance = std::numeric_limits<double>::infinity();
+  best.distance = ceiling;
   Isometry3d X_WN = Isometry3d::Identity();
   const auto bound = [&](std::size_t node) {
     X_WN.translation() = X_WB * nodes_[node].centre;
     return signed_distance(Sphere{nodes_[node].radius}, X_WN, a, X_WA);
   };
   std::vector<std::pair<double, std::size_t>> open{{bound(0), 0}};
-  while (!open.empty()) {
+  while (!open.empty() && best.distance > floor) {
     const auto [lower, index] = open.back();
     open.pop_back();
     if (lower >= best.distance) continue;

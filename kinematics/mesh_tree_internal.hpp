@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <modsearch/kinematics/separation.hpp>
 #include <modsearch/kinematics/shape.hpp>
 #include <vector>
@@ -13,8 +14,12 @@ class MeshTree {
 
   /// Least separation of `a`, which is no mesh, from a triangle of `mesh` at `X_WB`; `mesh` is the one of the
   /// constructor. A ball is a lower bound for the triangles in it, and its distance from any shape is a closed form.
+  /// Triangles farther away than `ceiling` are not looked at: where all are, that is the distance and nothing else is
+  /// said. The first one at most `floor` away ends the search.
   [[nodiscard]] Separation nearest(const Shape& a, const Eigen::Isometry3d& X_WA, const TriangleMesh& mesh,
-                                   const Eigen::Isometry3d& X_WB) const;
+                                   const Eigen::Isometry3d& X_WB,
+                                   double ceiling = std::numeric_limits<double>::infinity(),
+                                   double floor = -std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Node {

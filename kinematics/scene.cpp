@@ -7,6 +7,8 @@
 #include <modsearch/kinematics/self_pairs_internal.hpp>
 #include <stdexcept>
 
+#include "fcl_backend_internal.hpp"
+
 namespace modsearch {
 namespace {
 
@@ -153,7 +155,8 @@ double Scene::clearance(const Arm& arm, const Posture& posture, Work& work, doub
   const auto look = [&](const ArmGeometry& geometry, const Placed& placed) {
     const PlacedShape& obstacle = shape_of(placed);
     ++work.distances;
-    least = std::min(least, signed_distance(geometry.shape, pose_of(geometry, posture), obstacle.shape, obstacle.X_FG));
+    least = detail::distance_within(geometry.shape, pose_of(geometry, posture), obstacle.shape, obstacle.X_FG, least,
+                                    floor);
   };
   look(*favourite_geometry, *favourite);
   for (const ArmGeometry& geometry : arm.geometries()) {
@@ -217,7 +220,7 @@ double self_clearance(const Arm& arm, const Posture& posture, Work& work, double
     const ArmGeometry& a = arm.geometries()[first];
     const ArmGeometry& b = arm.geometries()[second];
     ++work.distances;
-    least = std::min(least, signed_distance(a.shape, pose_of(a, posture), b.shape, pose_of(b, posture)));
+    least = detail::distance_within(a.shape, pose_of(a, posture), b.shape, pose_of(b, posture), least, floor);
     return least <= floor;
   });
   return least;

@@ -61,10 +61,10 @@ struct Attempt {
   double goal_error = 0.0;              ///< largest distance of the tip from a goal's nominal position [m]
   /// Mean over the goals of |t - p| / |t - b| where not reached, 0 where reached; |t - b| at least 1e-9 m.
   double relative_error = 0.0;
-  /// Least over the postures of the goals that are reached [m]; < 0: overlap. At a goal that is missed bodies are asked
-  /// whether they overlap, and no more.
+  /// Least over the goals' postures where all are reached [m]; < 0: overlap. Where one is missed bodies are asked whether
+  /// they overlap, and no more.
   double clearance = std::numeric_limits<double>::infinity();
-  /// Largest share of a joint's peak torque at the posture of a goal that is reached; 0 where these are not limited.
+  /// Likewise the largest share of a joint's peak torque at any posture; 0 where these are not limited.
   double torque_share = 0.0;
   Eigen::MatrixXd postures;  ///< [n_goals x n_joints]
   /// Postures at all poses of each trajectory, in the order of the steps that follow one [n_poses x n_joints].

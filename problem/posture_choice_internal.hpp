@@ -47,7 +47,7 @@ class PostureJudge {
   /// The best of equally close postures; the first of these if several tie. `ceiling`: of a single one.
   [[nodiscard]] Candidate best(const IkSolution& solution, const StaticLoad& load, double ceiling, Work& work);
   /// One of equally close postures that touches nothing, the first, else the first of all: without clearances and
-  /// torques, for a goal that is missed all the same.
+  /// torques, for a task that is not fulfilled all the same.
   [[nodiscard]] Candidate free_one(const IkSolution& solution, Work& work);
   /// Those of equally close postures that hold and touch nothing, no two of them alike, the largest clearance first;
   /// without `first`.

@@ -71,7 +71,11 @@ Eigen::VectorXd Task::features() const {
 
 Attempt Task::attempt(const Arm& arm, const Scene& scene, const AttemptOptions& options) const {
   detail::Trial trial{*this, arm, scene, options};
-  for (const TaskStep& step : steps_of(*this)) {
+  const std::vector<TaskStep> all_steps = steps_of(*this);
+  for (const TaskStep& step : all_steps) {
+    if (step.kind == Kind::kVisit) trial.seek(step.goal);
+  }
+  for (const TaskStep& step : all_steps) {
     if (step.kind == Kind::kVisit) trial.visit(step.goal);
     if (step.kind == Kind::kFollow) trial.follow(step);
   }

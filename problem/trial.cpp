@@ -43,27 +43,24 @@ Eigen::VectorXd Trial::witnessed(int goal) const {
   return arm_.chain().clamped(options_.witness.postures.row(goal).transpose());
 }
 
-IkSolution Trial::solved(const Goal& goal, int index) {
+void Trial::seek(int goal_index) {
+  const auto at = static_cast<std::size_t>(goal_index);
+  const Goal& goal = task_.goals()[at];
   // Without a step of a search, a posture near one that is given is that posture, and a look at where it leads.
-  IkSolution ik = witnessed_ ? nearby_posture(arm_, goal.region, witnessed(index), 0)
-                             : inverse_kinematics(arm_, goal.region, judge_.ik());
+  found_[at] = witnessed_ ? nearby_posture(arm_, goal.region, witnessed(goal_index), 0)
+                          : inverse_kinematics(arm_, goal.region, judge_.ik());
+  const IkSolution& ik = found_[at];
   count(ik.iterations, ik.forward);
-  return ik;
+  ++errors_;
+  attempt_.goal_error = std::max(attempt_.goal_error, ik.position_error);
+  if (!ik.reached) miss(goal, ik);
 }
 
 void Trial::visit(int goal_index) {
   const auto at = static_cast<std::size_t>(goal_index);
-  const Goal& goal = task_.goals()[at];
-  IkSolution& ik = found_[at] = solved(goal, goal_index);
-  ++errors_;
-  attempt_.goal_error = std::max(attempt_.goal_error, ik.position_error);
-  Candidate chosen;
-  if (ik.reached) {
-    chosen = judge_.best(ik, load_at(task_, goal_index), attempt_.clearance, attempt_.work);
-  } else {
-    miss(goal, ik);
-    chosen = judge_.free_one(ik, attempt_.work);
-  }
+  const IkSolution& ik = found_[at];
+  Candidate chosen = attempt_.reached ? judge_.best(ik, load_at(task_, goal_index), attempt_.clearance, attempt_.work)
+                                      : judge_.free_one(ik, attempt_.work);
   attempt_.postures.row(goal_index) = chosen.q.transpose();
   look_at(chosen);
   choices_[at].push_back(std::move(chosen));

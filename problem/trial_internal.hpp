@@ -11,7 +11,9 @@ class Trial {
   /// All of it must outlive the trial.
   Trial(const Task& task, const Arm& arm, const Scene& scene, const AttemptOptions& options);
 
-  /// A posture for the goal.
+  /// Looks for postures at a goal that is visited. Before any of what follows, at all such goals.
+  void seek(int goal);
+  /// One of the goal's postures: the best one where everything sought is reached. Else one that touches nothing will do.
   void visit(int goal);
   /// Postures for all poses of the trajectory. The arm may begin in one of several: the one from which it gets farthest
   /// counts, among those from which it gets through the best one on the whole way.
@@ -34,7 +36,6 @@ class Trial {
   static constexpr int kMostStarts = 16;  // postures from which a trajectory is tried (arbitrary)
 
   [[nodiscard]] Eigen::VectorXd witnessed(int goal) const;
-  [[nodiscard]] IkSolution solved(const Goal& goal, int index);
   [[nodiscard]] IkSolution begun(const TaskStep& step);
   [[nodiscard]] const std::vector<Candidate>& choices(int goal);
   void count(std::int64_t iterations, std::int64_t forward);

@@ -138,6 +138,45 @@ TEST(Scene, GivesTheLeastDistanceOfAllPairsWhateverTheCapsulesPart) {
   }
 }
 
+// Between ceiling and floor the answer is the clearance; beyond them it only says on which side.
+void expect_within(double exact, double ceiling, double floor, double answer) {
+  if (exact >= ceiling) {
+    EXPECT_EQ(answer, ceiling);
+  } else if (exact > floor) {
+    EXPECT_EQ(answer, exact);
+  } else {
+    EXPECT_GE(answer, exact);
+    EXPECT_LE(answer, floor);
+  }
+}
+
+TEST(Scene, MeasuresBetweenCeilingAndFloorOnly) {
+  std::mt19937 generator{8};
+  std::uniform_real_distribution<double> angle{-sample::kPi, sample::kPi};
+  std::uniform_real_distribution<double> somewhere{-0.5, 1.0};
+  auto tent = std::make_shared<TriangleMesh>();  // a mesh among the obstacles: it is searched no farther either
+  tent->vertices = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, 1}};
+  tent->triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  const Scene scene{{{"tent", {{Mesh{tent}, translation(1.5, 0.0, 0.2)}}},
+                     {"box", {{Box{{0.3, 0.3, 0.3}}, translation(-1.0, 0.5, 1.0)}}}}};
+  const Chain chain = sample::seed_chain("hlhr");
+  const Arm arm = chain.at(Eigen::VectorXd::Constant(chain.n_parameters(), 0.6));
+  for (int i = 0; i < 300; ++i) {
+    Eigen::VectorXd q(chain.n_joints());
+    for (double& each : q) each = angle(generator);
+    const Posture posture = arm.forward(q);
+    Work work;
+    const double one = somewhere(generator);
+    const double other = somewhere(generator);
+    const double ceiling = std::max(one, other);
+    const double floor = std::min(one, other);
+    expect_within(scene.clearance(arm, posture, work), ceiling, floor,
+                  scene.clearance(arm, posture, work, ceiling, floor));
+    expect_within(self_clearance(arm, posture, work), ceiling, floor,
+                  self_clearance(arm, posture, work, ceiling, floor));
+  }
+}
+
 TEST(Scene, AgreesWithFclOnWhatCollides) {
   std::mt19937 generator{2};
   const Chain chain = sample::seed_chain("hrlh");

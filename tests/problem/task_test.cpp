@@ -83,6 +83,12 @@ TEST(Attempt, ThatMissesSaysWhetherItCollidesAndMeasuresNothing) {
   EXPECT_TRUE(inside.collides);
   EXPECT_EQ(inside.why, Failure::kProvedInfeasible);  // 2 m up, the arm ends 1 m up
   EXPECT_EQ(inside.clearance, std::numeric_limits<double>::infinity());
+  // Nor where another goal is reached.
+  const GoalTask two{"t", {task.goals()[0], {"2", GoalType::kReach, PoseRegion::ball({0.5, 0.0, 1.0}, 1e-3)}}};
+  const Scene scene{{{"ball", {{Sphere{0.1}, Eigen::Isometry3d{Eigen::Translation3d{0.3, 0.0, 0.5}}}}}}};
+  const Attempt half = two.attempt(chain.at(Eigen::VectorXd{0}), scene, AttemptOptions{});
+  EXPECT_FALSE(half.collides);
+  EXPECT_EQ(half.clearance, std::numeric_limits<double>::infinity());
 }
 
 // A target on the base's axis: the rotary's elbow may point anywhere, and that shows.
