@@ -127,7 +127,7 @@ void EndProofs::judge_tails(const std::vector<std::optional<PoseEnclosure>>& goa
     if (!goals[goal]) continue;
     const PoseEnclosure& poses = *goals[goal];
     // Where the tip may point anywhere, nothing but the tip itself stays where it is.
-    const bool any_direction = chord(poses.angle) >= 1.0 && poses.off_axis.minCoeff() >= 1.0;
+    const bool any_direction = poses.turn >= 1.0 && poses.off_axis.minCoeff() >= 1.0;
     if (any_direction && !(scene_.clearance(poses.X_WC.translation()) < 0.0)) continue;
     places.push_back({poses, static_cast<int>(goal)});
   }

@@ -89,9 +89,9 @@ bool is_rotation(const Eigen::Matrix3d& R) {
 double chord(double angle) { return 2.0 * std::sin(0.5 * std::min(angle, kPi)); }
 
 double PoseEnclosure::turned_by(const Eigen::Vector3d& p_C, double reach) const {
-  const double turn = chord(angle);
   double least = turn * (p_C.norm() + reach);
   for (int a = 0; a < 3; ++a) {
+    if (off_axis[a] >= turn) continue;  // no axis to speak of: its parts add up to more
     const double along = std::abs(axes_C.col(a).dot(p_C));
     const double across = (p_C - axes_C.col(a).dot(p_C) * axes_C.col(a)).norm();
     least = std::min(least, off_axis[a] * (along + reach) + turn * (across + reach));
@@ -118,6 +118,7 @@ std::optional<PoseEnclosure> enclosure(const PoseRegion& region) {
   // Two rotation vectors are never closer than the turn from the one rotation to the other: the exponential map of
   // rotations shortens (its left Jacobian has no singular value above 1).
   result.angle = std::min(kPi, turns.radius_about_middle());
+  result.turn = chord(result.angle);
   if (r_N.norm() > 0.0) {
     result.X_WC.rotate(Eigen::AngleAxisd{r_N.norm(), r_N.normalized()});
     return result;

@@ -18,6 +18,7 @@ struct PoseEnclosure {
   Eigen::Matrix3d half_axes_W = Eigen::Matrix3d::Zero();      ///< columns: half edges of the box of positions [m]
   double position_radius = 0.0;                               ///< no position is farther from the centre [m]
   double angle = 0.0;                                         ///< no pose is turned farther from the centre [rad]
+  double turn = 0.0;                                          ///< chord(angle)
   Eigen::Matrix3d axes_C = Eigen::Matrix3d::Identity();       ///< columns: axes about which a pose may be freer to turn
   Eigen::Vector3d off_axis = Eigen::Vector3d::Constant(2.0);  ///< how far each is carried at most, of unit length
 

@@ -95,18 +95,30 @@ class MovingPoint {
         cell_{cell},
         half_sizes_{half_sizes(part.shape, cell.middle)},
         X_RG_{part.X_RG.at(cell.middle)},
-        fixed_{cell.half.isZero(0.0)} {}
+        fixed_{cell.half.isZero(0.0)} {
+    if (fixed_) return;
+    const std::vector<ParametricPose::Turn>& turns = part.X_RG.turns;
+    for (std::size_t k = turns.size(); k-- > 0;) {
+      Step step{.pose = &turns[k].after, .middle = turns[k].after.at(cell.middle)};
+      step.turn = Eigen::AngleAxisd{turns[k].angle.at(cell.middle), Eigen::Vector3d::UnitZ()}.toRotationMatrix();
+      double most = 0.0;
+      for (const AffineScalar::Term& term : turns[k].angle.terms) {
+        const double by = std::abs(term.scale) * cell.half[term.parameter];
+        step.by_parameter.push_back({term.parameter, chord(by)});
+        most += by;
+      }
+      step.by = chord(most);
+      steps_.push_back(std::move(step));
+    }
+    steps_.push_back({.pose = &part.X_RG.head, .middle = part.X_RG.head.at(cell.middle)});
+  }
 
   [[nodiscard]] Reached at(const Eigen::Vector3d& u) const {
     if (fixed_) return {.q = X_RG_ * half_sizes_.cwiseProduct(u)};
     const Eigen::Index n = cell_.half.size();
     Reached point{.q = half_sizes_.cwiseProduct(u), .slides = Slides::Zero(3, n), .effect = Effects::Zero(n)};
     add_size_slides(part_.shape, u, point.slides);
-    for (std::size_t k = part_.X_RG.turns.size(); k-- > 0;) {
-      carry(part_.X_RG.turns[k].after, point);
-      turn(part_.X_RG.turns[k].angle, point);
-    }
-    carry(part_.X_RG.head, point);
+    for (const Step& step : steps_) take(step, point);
     for (Eigen::Index i = 0; i < n; ++i) {
       point.slides.col(i) *= cell_.half[i];
       point.effect[i] += point.slides.col(i).norm();
@@ -115,28 +127,31 @@ class MovingPoint {
   }
 
  private:
-  // Slides are per unit of their parameters until the end.
-  void carry(const AffinePose& X, Reached& point) const {
-    point.q = X.rotation * point.q + X.translation.at(cell_.middle);
-    point.slides = X.rotation * point.slides;
-    for (const AffineVector::Term& term : X.translation.terms) point.slides.col(term.parameter) += term.direction;
-  }
+  // An affine pose, and a turn of what follows it.
+  struct Step {
+    const AffinePose* pose = nullptr;
+    Eigen::Isometry3d middle = Eigen::Isometry3d::Identity();  // of the pose, in the middle of the cell
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();        // likewise
+    double by = 0.0;                                           // chord of what the turn may be off that
+    std::vector<std::pair<int, double>> by_parameter{};        // the same for each parameter of it alone
+  };
 
-  void turn(const AffineScalar& angle, Reached& point) const {
+  // Slides are per unit of their parameters until the end.
+  void take(const Step& step, Reached& point) const {
+    point.q = step.middle * point.q;
+    point.slides = step.middle.linear() * point.slides;
+    for (const AffineVector::Term& term : step.pose->translation.terms) {
+      point.slides.col(term.parameter) += term.direction;
+    }
+    if (step.by_parameter.empty()) return;
     double reach = point.q.head<2>().norm() + point.ball;
     for (Eigen::Index i = 0; i < point.slides.cols(); ++i) {
       reach += cell_.half[i] * point.slides.col(i).head<2>().norm();
     }
-    double most = 0.0;
-    for (const AffineScalar::Term& term : angle.terms) {
-      const double by = std::abs(term.scale) * cell_.half[term.parameter];
-      point.effect[term.parameter] += chord(by) * reach;
-      most += by;
-    }
-    const Eigen::Matrix3d R{Eigen::AngleAxisd{angle.at(cell_.middle), Eigen::Vector3d::UnitZ()}};
-    point.q = R * point.q;
-    point.slides = R * point.slides;
-    point.ball += chord(most) * reach;
+    for (const auto& [parameter, chord_of_it] : step.by_parameter) point.effect[parameter] += chord_of_it * reach;
+    point.q = step.turn * point.q;
+    point.slides = step.turn * point.slides;
+    point.ball += step.by * reach;
   }
 
   const RigidPart& part_;
@@ -144,6 +159,7 @@ class MovingPoint {
   Eigen::Vector3d half_sizes_;
   Eigen::Isometry3d X_RG_;
   bool fixed_;
+  std::vector<Step> steps_;  // from the part outwards, where the cell is more than a point
 };
 
 // A shape of the obstacle, as the points of R meet it.
@@ -260,7 +276,7 @@ class Pairs {
   /// What a cell comes to: the deepest point for all of it, and which parameter to halve where that is not deep enough.
   struct Verdict {
     double depth = -kInfinity;
-    int halve = -1;  // -1: no point is sure to be inside even in the middle of the cell
+    Eigen::Index halve = -1;  // -1: no point is sure to be inside even in the middle of the cell
   };
   [[nodiscard]] Verdict judged(const Cell& cell) const {
     Verdict verdict;

@@ -137,6 +137,21 @@ TEST(Solve, EndsWithOneAndTheReasonForATargetBeyondEveryReach) {
   EXPECT_THAT(solved.out, HasSubstr("50 m away from the base"));
 }
 
+TEST(Solve, SaysAtOnceWhichGoalLiesInWhichObstacleForEveryEnd) {
+  const TemporaryFolder folder;
+  const Outcome solved = modsearch({"solve", "whitman/3g_3o", "--instance", "0:6"}, folder);
+  EXPECT_EQ(solved.status, 1) << solved.err;
+  EXPECT_THAT(solved.out, HasSubstr("proved infeasible: goal '3' lies in obstacle 'box 1' for every end effector"));
+  const Outcome told = modsearch({"solve", "whitman/3g_3o", "--instance", "0:6", "--solver", "ga", "--json"}, folder);
+  EXPECT_EQ(told.status, 1) << told.err;
+  const json answer = json::parse(told.out);
+  EXPECT_EQ(answer.at("stop"), "unreachable");
+  EXPECT_EQ(answer.at("infeasible").at("goal"), "3");
+  EXPECT_EQ(answer.at("infeasible").at("obstacle"), "box 1");
+  EXPECT_EQ(answer.at("infeasible").at("module"), "gripper_60");
+  EXPECT_GT(answer.at("infeasible").at("depth_m").get<double>(), 0.004);
+}
+
 TEST(Solve, StopsOnCtrlCAndWritesWhatThereIs) {
   const TemporaryFolder folder;
   const testing::Child child{

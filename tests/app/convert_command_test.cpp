@@ -56,6 +56,13 @@ TEST(Generate, WritesTasksAndProblemsThatAreTheSameEveryTime) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a/task_003.json"));
 }
 
+TEST(Generate, DrawsGoalsWithFreeEndsIfAsked) {
+  const TemporaryFolder folder;
+  const Outcome done = modsearch({"generate", "whitman", "--free-ends", "--count", "7", "--out", folder / "a"}, folder);
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(json::parse(read_text(folder / "a/task_006.json"))["header"]["ID"], "whitman/3g_3o_free/0/6");
+}
+
 TEST(Generate, RefusesMoreGoalsThanItsLimit) {
   const TemporaryFolder folder;
   const Outcome refused = modsearch({"generate", "whitman", "--goals", "21", "--out", folder / "a"}, folder);

@@ -215,6 +215,21 @@ TEST(SolverContract, ProvesAtOnceThatNothingReachesTooFar) {
   }
 }
 
+// Task 6 of the generated family: every gripper lies in a box at goal 3.
+TEST(SolverContract, EndsAtOnceWhereTheProblemIsProvedInfeasible) {
+  const auto problem = load_problem("whitman/3g_3o", {.seed = 0, .index = 6});
+  ASSERT_TRUE(problem->infeasible());
+  for (const auto& solver : stepped_solvers()) {
+    SCOPED_TRACE(solver->name());
+    Meter meter;
+    const Solution solution = solver->solve(*problem, meter, Rng{0});
+    EXPECT_EQ(solution.stop, StopReason::kUnreachable);
+    EXPECT_EQ(solution.reason, "proved infeasible: " + problem->infeasible()->reason);
+    EXPECT_EQ(solution.spent.evaluations, 1);
+    EXPECT_FALSE(solution.evaluation.attempt.achieved);
+  }
+}
+
 // What every Task promises, for the one that files describe: goals, features of fixed length, an attempt that is a
 // function.
 TEST(TaskContract, HoldsForTheTasksOfTheReferenceScenarios) {

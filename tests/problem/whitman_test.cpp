@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+#include <modsearch/kinematics/separation.hpp>
 #include <modsearch/problem/problem_source.hpp>
 #include <modsearch/problem/whitman.hpp>
 #include <nlohmann/json.hpp>
@@ -141,6 +144,80 @@ TEST(Whitman, InstancesOfTheBuiltInFamiliesAreTheGeneratedTasks) {
   }
 }
 
+/// Of a gripper alone, held at the nominal pose of a goal: of an arm of base, adapter and gripper its shapes are the
+/// last.
+double gripper_clearance(const RobotProblem& problem, const Goal& goal, const std::string& size) {
+  const ModuleLibrary& library = problem.library();
+  std::vector<int> types;
+  if (size != "120") types.push_back(library.find("adapter_120_" + size).value());
+  types.push_back(library.find("gripper_" + size).value());
+  const Chain chain = library.assemble(types);
+  const Arm arm = chain.at(Eigen::VectorXd{});
+  const Posture posture = arm.forward(Eigen::VectorXd{});
+  double clearance = std::numeric_limits<double>::infinity();
+  for (const ArmGeometry& geometry : arm.geometries()) {
+    const int module = chain.bodies()[static_cast<std::size_t>(geometry.body)].module;
+    if (module + 1 < static_cast<int>(types.size())) continue;
+    const Eigen::Isometry3d X_WG = goal.region.nominal() * posture.tip.inverse() * geometry.X_FG;
+    for (const Obstacle& box : problem.scene().obstacles()) {
+      const PlacedShape& shape = box.shapes[0];
+      clearance = std::min(clearance, signed_distance(geometry.shape, X_WG, shape.shape, shape.X_FG));
+    }
+  }
+  return clearance;
+}
+
+double best_clearance(const RobotProblem& problem, const Goal& goal) {
+  double best = -std::numeric_limits<double>::infinity();
+  for (const char* size : {"60", "90", "120"}) best = std::max(best, gripper_clearance(problem, goal, size));
+  return best;
+}
+
+TEST(Whitman, DrawsGoalsAgainUntilSomeEndEffectorIsFreeOfTheBoxes) {
+  constexpr double kFree = 0.005;
+  const ProblemFile as_drawn = load_problem_file("whitman/5g_5o");
+  const ProblemFile with_free_ends = load_problem_file("whitman/5g_5o_free");
+  int drawn_again = 0;
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    const auto before = as_drawn.instance({.seed = 0, .index = i});
+    const auto after = with_free_ends.instance({.seed = 0, .index = i});
+    EXPECT_EQ(after->task().name(), "whitman/5g_5o_free/0/" + std::to_string(i));
+    bool same = true;  // up to the first goal that is not free
+    for (std::size_t g = 0; g < 5; ++g) {
+      EXPECT_EQ(before->scene().obstacles()[g].shapes[0].X_FG.matrix(),
+                after->scene().obstacles()[g].shapes[0].X_FG.matrix());
+      const Goal& goal = after->task().goals()[g];
+      EXPECT_GE(best_clearance(*after, goal), kFree) << i << ", goal " << g;
+      same = same && best_clearance(*before, before->task().goals()[g]) >= kFree;
+      if (same) {
+        EXPECT_EQ(before->task().goals()[g].position(), goal.position());
+      }
+    }
+    drawn_again += same ? 0 : 1;
+  }
+  EXPECT_GT(drawn_again, 10);
+}
+
+// The tolerance carries no point of a gripper by more than 3.7 mm: sqrt(3) mm and half a degree of 0.22 m.
+TEST(Whitman, IsProvedInfeasibleWhereEveryGripperIsDeepInABox) {
+  constexpr double kDeep = -0.004;
+  for (const auto& [id, least] : {std::pair{"whitman/3g_3o", 5}, std::pair{"whitman/5g_5o", 15}}) {
+    const ProblemFile family = load_problem_file(id);
+    int deep = 0;
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      const auto problem = family.instance({.seed = 0, .index = i});
+      const std::span<const Goal> goals = problem->task().goals();
+      if (std::none_of(goals.begin(), goals.end(),
+                       [&](const Goal& goal) { return best_clearance(*problem, goal) < kDeep; })) {
+        continue;
+      }
+      ++deep;
+      EXPECT_TRUE(problem->infeasible()) << id << " " << i;
+    }
+    EXPECT_EQ(deep, least) << id;
+  }
+}
+
 TEST(Whitman, IsASourceOfProblemsWithOneLibraryAndOneContext) {
   const ProblemSource source = problem_source(load_problem_file("whitman/3g_3o"));
   const auto first = source(Rng{1});
@@ -159,6 +236,22 @@ TEST(Whitman, AsFilesIsTheSameProblem) {
   EXPECT_EQ(written->max_modules(), built_in->max_modules());
   EXPECT_EQ(written->spec().level, built_in->spec().level);
   EXPECT_EQ(written->spec().scoring->name(), built_in->spec().scoring->name());
+}
+
+TEST(Whitman, RefusesFreeEndsOfALibraryWithoutEndEffectors) {
+  EXPECT_THROW(static_cast<void>(whitman_task({.free_ends = load_library("seed")}, {})), std::invalid_argument);
+  const test::TemporaryFolder folder;
+  json problem = json::parse(whitman_problem("task.json"));
+  problem.erase("task");
+  problem["library"] = "seed";
+  problem["sampling"] = {{"whitman", {{"goals", 3}, {"boxes", 3}, {"freeEnds", true}}}};
+  try {
+    static_cast<void>(load_problem_file(folder.write("problem.json", problem.dump()).string()));
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/sampling/whitman/freeEnds"));
+    EXPECT_THAT(error.what(), HasSubstr("the library has no end effector"));
+  }
 }
 
 TEST(Whitman, RefusesNumbersOutsideItsLimits) {

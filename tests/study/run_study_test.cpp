@@ -14,6 +14,7 @@
 #include <modsearch/rl/saved_policy.hpp>
 #include <modsearch/study/compute_cell.hpp>
 #include <modsearch/study/run_study.hpp>
+#include <modsearch/study/summary.hpp>
 #include <sstream>
 #include <thread>
 
@@ -107,6 +108,21 @@ class RunStudy : public ::testing::Test {
 
   test::TemporaryFolder folder_;
 };
+
+// Tasks 5 and 6 of the generated family; the second is proved infeasible, by whatever solver.
+TEST_F(RunStudy, CountsInstancesThatAreProvedInfeasibleApart) {
+  Study study{.name = "infeasible",
+              .problems = {study_problem("whitman/3g_3o", InstanceRange{.seed = 0, .first = 5, .count = 2})},
+              .solvers = {random_solver()},
+              .seeds = {0},
+              .budget = {.evaluations = 2}};
+  const StudyRecord record = run_in("study", study);
+  const StudyRuns runs = runs_of(record);
+  ASSERT_EQ(runs.instances.size(), 2U);
+  EXPECT_EQ(runs.instances[1].certainty(), Certainty::kUnreachable);
+  EXPECT_EQ(runs.n_runs(0), 1);
+  EXPECT_EQ(summarise(record, runs, Rng{0}).unreachable, 1);
+}
 
 TEST_F(RunStudy, SolvesEveryInstanceWithEverySolverAndSeed) {
   const StudyRecord record = run_in("a", small_study());
