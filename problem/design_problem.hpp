@@ -45,8 +45,9 @@ class EvaluationError : public std::runtime_error {
 struct Relaxation {
   double tolerance_margin = 1e-7;  ///< off the tolerance of a pose [m or rad]: ten times what inner solvers leave open
   double clearance_margin = 1e-6;  ///< least clearance asked for [m]
-  /// Rows of clearance are left out as long as they hold by more than this [m] (SmoothProgram::grow). KNEAR
-  double near = 0.02;
+  /// Rows of clearance are left out as long as they hold by more than this [m], above 0 (SmoothProgram::grow). A solve
+  /// with `own` takes 0.9 ms with 1 and 5 mm, 1.2 ms with 2 cm, 5.3 ms with 10 cm; the answers are the same.
+  double near = 0.005;
   bool all_rows = false;  ///< nothing is left out: for comparison; the answers are the same
   /// So many poses of a trajectory have a posture of their own, evenly spread; 0: the task's goals, its knots.
   int knots = 0;

@@ -92,18 +92,28 @@ void AugmentedLagrangian::hessian(const AugmentedPoint& point, Eigen::MatrixXd& 
       const auto column = rows.col(j);
       weighted_.col(j) = rho_ * (across * column + along * excess.dot(column) * excess);
     }
+    // Not those of other goals.
+    variables_.clear();
     for (Eigen::Index j = 0; j < n_; ++j) {
-      if (rows.col(j).isZero(0.0)) continue;  // a variable of another goal
-      for (Eigen::Index i = j; i < n_; ++i) H(i, j) += rows.col(i).dot(weighted_.col(j));
+      if (!rows.col(j).isZero(0.0)) variables_.push_back(j);
+    }
+    for (std::size_t b = 0; b < variables_.size(); ++b) {
+      for (std::size_t a = b; a < variables_.size(); ++a) {
+        H(variables_[a], variables_[b]) += rows.col(variables_[a]).dot(weighted_.col(variables_[b]));
+      }
     }
   }
   for (Eigen::Index row = 0; row < point.excess.size(); ++row) {
     const bool active = point.excess[row] != 0.0 || program_.row_lower()[row] == program_.row_upper()[row];
     if (!active || in_ball_[static_cast<std::size_t>(row)]) continue;
+    variables_.clear();
     for (Eigen::Index j = 0; j < n_; ++j) {
-      const double slope = rho_ * J(row, j);
-      if (slope == 0.0) continue;
-      for (Eigen::Index i = j; i < n_; ++i) H(i, j) += J(row, i) * slope;
+      if (J(row, j) != 0.0) variables_.push_back(j);
+    }
+    for (std::size_t b = 0; b < variables_.size(); ++b) {
+      const double slope = rho_ * J(row, variables_[b]);
+      for (std::size_t a = b; a < variables_.size(); ++a)
+        H(variables_[a], variables_[b]) += J(row, variables_[a]) * slope;
     }
   }
 }

@@ -77,7 +77,8 @@ class AugmentedLagrangian {
   BestPoint best_;
   // Storage of hessian().
   Eigen::VectorXd multipliers_;
-  Eigen::MatrixXd weighted_;  // rho (I - dP/dy) J of a ball
+  Eigen::MatrixXd weighted_;             // rho (I - dP/dy) J of a ball
+  std::vector<Eigen::Index> variables_;  // that a ball or a row depends on
 };
 
 /// Minimises phi within the bounds, for the method of multipliers.

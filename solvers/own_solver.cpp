@@ -42,7 +42,7 @@ class ProjectedNewton final : public Descent {
     for (double least_damping = 1e-3; damping_ < kTooMuchDamping; damping_ = std::max(4.0 * damping_, least_damping)) {
       if (!cholesky_.factorise(hessian_, free_, damping_)) continue;
       if (iterations_++ >= phi.options().max_iterations) return End::kLimit;
-      cholesky_.solve(here.gradient, free_, step_);
+      cholesky_.solve(here.gradient, step_);
       there_.v = (here.v + step_).cwiseMax(phi.program().lower()).cwiseMin(phi.program().upper());
       step_ = there_.v - here.v;
       const double predicted = predicted_decrease(here);
