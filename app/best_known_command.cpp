@@ -23,8 +23,8 @@ Status best_known(const BestKnownArguments& arguments, const CommonArguments& co
     print(json);
   } else {
     for (const BestKnownCounts& counts : merge.counts) {
-      say("{:<13}{} added, {} improved, {} not better than the known one\n", counts.family, counts.added,
-          counts.improved, counts.kept);
+      say("{}: {} added, {} improved, {} not better than the known one\n", counts.family, counts.added, counts.improved,
+          counts.kept);
     }
     for (const std::string& sentence : merge.refused) say("refused      {}\n", sentence);
     for (const std::filesystem::path& file : merge.written) say("wrote        {}\n", file.string());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <modsearch/problem/nearest_miss.hpp>
 #include <modsearch/problem/readers_internal.hpp>
 #include <modsearch/solvers/verification.hpp>
 #include <modsearch/study/best_known.hpp>
@@ -108,6 +109,11 @@ std::string objection(const RobotProblem& problem, const BestKnown& entry) {
   if (entry.postures.size() > 0) claims.postures = entry.postures;
   const Verification verification = verify(problem, entry.design, claims);
   if (verification.verified) return "";
+  if (!verification.path_evaluation.attempt.achieved) {
+    return fmt::format(
+        "not achieved: {}",
+        nearest_miss(problem.with_level(Level::kPath), entry.design, verification.path_evaluation).words());
+  }
   return verification.findings.empty() ? "no path was found" : verification.findings.front();
 }
 

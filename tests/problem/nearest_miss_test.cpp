@@ -197,7 +197,7 @@ TEST(NearestMiss, SaysHowFarATrajectoryWasFollowed) {
                                    {{"hinge", {0.5, 0.5}}, {"hinge", {0.5, 0.5}}});
   ASSERT_EQ(found.misses.size(), 1U);
   EXPECT_EQ(found.misses[0].place, "pose 25 of trajectory seam");
-  EXPECT_EQ(found.misses[0].goal, 4);  // knots 0, 7, 14, 21, 28, 35, 42, 50
+  EXPECT_EQ(found.misses[0].goal, 4);                         // knots 0, 7, 14, 21, 28, 35, 42, 50
   EXPECT_NEAR(found.misses[0].away, 1.505 - 1.4852, 1.1e-3);  // it stands within a millimetre of the 24th
 }
 
