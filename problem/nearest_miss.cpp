@@ -93,23 +93,21 @@ class Inspection {
     return miss;
   }
 
-  // A motion that ends early leaves the rows of the steps that it has done, and 0 for the others.
   [[nodiscard]] Miss on_the_way() const {
     Miss miss{.why = Failure::kNoPath, .words = "no collision-free path was found"};
-    const std::vector<TaskStep> steps = steps_of(problem_.task());
-    if (attempt_.step_waypoints.size() != steps.size()) return miss;
-    int last_row = 0;
-    miss.from = "home";
-    std::vector<std::string> left;
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-      if (steps[i].kind == Kind::kPause) continue;
-      const int row = attempt_.step_waypoints[i];
-      if (row == 0) left.push_back(name_of(steps[i]));
-      if (row > last_row) miss.from = name_of(steps[i]);
-      last_row = std::max(last_row, row);
-    }
-    if (left.empty()) return miss;
-    miss.to = problem_.task().any_order() ? fmt::format("{}", fmt::join(left, " or ")) : left.front();
+    if (!attempt_.missing_motion) return miss;
+    const auto [from, to] = *attempt_.missing_motion;
+    const std::span<const Goal> goals = problem_.task().goals();
+    const auto place = [&](int goal) {
+      return goal < 0 ? std::string{"home"} : "goal " + goals[static_cast<std::size_t>(goal)].id;
+    };
+    // Beside home, a pose within a trajectory has no goal to name.
+    const auto& steps = problem_.task().steps();
+    const bool follows =
+        std::any_of(steps.begin(), steps.end(), [](const TaskStep& step) { return step.kind == Kind::kFollow; });
+    if (from == to || (follows && (from < 0 || to < 0))) return miss;
+    miss.from = place(from);
+    miss.to = place(to);
     miss.words = fmt::format("no collision-free path was found from {} to {}", miss.from, miss.to);
     return miss;
   }
@@ -250,20 +248,6 @@ class Inspection {
     if (module < 0) return "the base";
     const int type = design_.modules[static_cast<std::size_t>(module)].type;
     return fmt::format("{} (module {})", problem_.library().type(type).id, module + 1);
-  }
-
-  [[nodiscard]] std::string name_of(const TaskStep& step) const {
-    switch (step.kind) {
-      case Kind::kVisit:
-        return "goal " + problem_.task().goals()[static_cast<std::size_t>(step.goal)].id;
-      case Kind::kFollow:
-        return "trajectory " + step.id;
-      case Kind::kReturn:
-        return "the return " + step.id;
-      case Kind::kPause:
-        return "the pause " + step.id;
-    }
-    return step.id;
   }
 
   const RobotProblem& problem_;
