@@ -3,6 +3,8 @@
 #include <modsearch/kinematics/edge_checker_internal.hpp>
 #include <modsearch/kinematics/self_pairs_internal.hpp>
 
+#include "fcl_backend_internal.hpp"
+
 namespace modsearch {
 namespace {
 
@@ -10,8 +12,14 @@ constexpr double kCollision = -1.0;
 
 // A lower bound of the distance of two shapes: kCollision, 0 if they are free and nothing else is known, else > 0.
 // Asked after the overlap, because closed forms exist where two shapes are apart: for spheres and capsules against
-// spheres, capsules and boxes. A cylinder lies within the capsule of its own length.
+// spheres, capsules and boxes. A cylinder lies within the capsule of its own length. For a mesh the balls around its
+// triangles give a bound, before the dear verdict.
 double distance_bound(const Shape& a, const Eigen::Isometry3d& X_WA, const Shape& b, const Eigen::Isometry3d& X_WB) {
+  const bool mesh_a = std::holds_alternative<Mesh>(a);
+  const bool mesh_b = std::holds_alternative<Mesh>(b);
+  if (mesh_a != mesh_b) {
+    if (const double least = detail::least_distance(a, X_WA, b, X_WB); least > 0.0) return least;
+  }
   if (overlaps(a, X_WA, b, X_WB)) return kCollision;
   if (std::holds_alternative<Cylinder>(b) || std::holds_alternative<Mesh>(b)) return 0.0;
   constexpr double kRounding = 1e-9;

@@ -102,7 +102,15 @@ Triangle corners(const TriangleMesh& mesh, const Isometry3d& X, std::intptr_t tr
 
 }  // namespace
 
+double least_distance(const Shape& a, const Isometry3d& X_WA, const Shape& b, const Isometry3d& X_WB) {
+  constexpr double kRounding = 1e-9;  // [m]
+  const Mesh* mesh = std::get_if<Mesh>(&b);
+  if (mesh == nullptr) return least_distance(b, X_WB, a, X_WA);
+  return trees_of(*mesh).balls->least(a, X_WA, X_WB) - kRounding;
+}
+
 bool mesh_overlaps(const Shape& a, const Isometry3d& X_WA, const Mesh& b, const Isometry3d& X_WB) {
+  if (!std::holds_alternative<Mesh>(a) && least_distance(a, X_WA, b, X_WB) > 0.0) return false;
   return loudly([&] {
     fcl::CollisionRequestd request;
     request.gjk_solver_type = fcl::GST_INDEP;

@@ -16,6 +16,10 @@ namespace modsearch::detail {
 [[nodiscard]] Separation mesh_separation(const Shape& a, const Eigen::Isometry3d& X_WA, const Mesh& b,
                                          const Eigen::Isometry3d& X_WB);
 
+/// A distance that the two have at least, one of which is a mesh and the other is not; <= 0: not known to be apart.
+[[nodiscard]] double least_distance(const Shape& a, const Eigen::Isometry3d& X_WA, const Shape& b,
+                                    const Eigen::Isometry3d& X_WB);
+
 /// signed_distance, but never more than `ceiling`, and where it is at most `floor` any number between it and `floor`:
 /// a mesh is not searched for more than that. Which of the two shapes is a mesh, if any, does not matter.
 [[nodiscard]] double distance_within(const Shape& a, const Eigen::Isometry3d& X_WA, const Shape& b,

@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -95,6 +97,32 @@ Separation MeshTree::nearest(const Shape& a, const Isometry3d& X_WA, const Trian
     open.push_back(near);
   }
   return best;
+}
+
+double MeshTree::least(const Shape& a, const Isometry3d& X_WA, const Isometry3d& X_WB) const {
+  constexpr std::size_t kExpansions = 48;  // arbitrary: balls of a twentieth of the mesh
+  using Open = std::pair<double, std::size_t>;
+  Isometry3d X_WN = Isometry3d::Identity();
+  const auto bound = [&](std::size_t node) {
+    X_WN.translation() = X_WB * nodes_[node].centre;
+    return signed_distance(Sphere{nodes_[node].radius}, X_WN, a, X_WA);
+  };
+  std::array<Open, kExpansions + 2> open;
+  auto end = open.begin();
+  const auto add = [&](std::size_t node) {
+    *end++ = {bound(node), node};
+    std::push_heap(open.begin(), end, std::greater<>{});
+  };
+  add(0);
+  for (std::size_t i = 0; i < kExpansions; ++i) {
+    const Node& nearest = nodes_[open.front().second];
+    if (nearest.leaf) break;
+    const auto child = static_cast<std::size_t>(nearest.first);
+    std::pop_heap(open.begin(), end--, std::greater<>{});
+    add(child);
+    add(child + 1);
+  }
+  return open.front().first;
 }
 
 }  // namespace modsearch::detail
