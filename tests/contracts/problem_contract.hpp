@@ -61,7 +61,9 @@ inline void expect_solver_contract(const Solver& solver, const DesignProblem& pr
   const Solution solution = solve(kBudget, 1);
   EXPECT_LE(solution.spent.evaluations, kBudget) << "a budget of evaluations is exact";
   EXPECT_EQ(solution.design, solve(kBudget, 1).design) << "equal seeds give equal answers";
-  EXPECT_EQ(problem.evaluate(solution.design).score, solution.evaluation.score) << "the answer is what it says";
+  const Witness witness{.postures = solution.evaluation.attempt.postures};
+  EXPECT_EQ(problem.evaluate(solution.design, Fidelity::kFull, witness).score, solution.evaluation.score)
+      << "the answer is what it says";
   EXPECT_EQ(solve(0, 1).spent.evaluations, 0);
   EXPECT_EQ(solve(1, 1).spent.evaluations, 1);
 
