@@ -65,6 +65,7 @@ CellOutcome outcome_of(const DesignProblem& problem, const Solution& solution, b
   outcome.score = solution.evaluation.score;
   outcome.achieved = solution.evaluation.attempt.achieved;
   outcome.reached = solution.evaluation.attempt.reached;
+  if (outcome.achieved) outcome.witness.postures = solution.evaluation.attempt.postures;
   if (!outcome.achieved) outcome.failure = name(solution.evaluation.attempt.why);
   outcome.goal_error = evaluated ? solution.evaluation.attempt.goal_error : std::numeric_limits<double>::infinity();
   outcome.modules = n_modules(problem, solution.design);

@@ -73,6 +73,27 @@ DesignRecord read_design(const JsonCursor& cursor) {
   return design;
 }
 
+ordered_json postures_json(const Eigen::MatrixXd& postures) {
+  ordered_json rows = ordered_json::array();
+  for (const auto& row : postures.rowwise()) rows.push_back(std::vector<double>(row.begin(), row.end()));
+  return rows;
+}
+
+Eigen::MatrixXd read_postures(const JsonCursor& cursor) {
+  std::vector<std::vector<double>> rows;
+  for (const JsonCursor& row : cursor.items()) {
+    rows.emplace_back();
+    for (const JsonCursor& number : row.items()) rows.back().push_back(number.number());
+    if (rows.back().size() != rows.front().size()) row.fail("is not as long as the first row");
+  }
+  const auto n_joints = static_cast<Eigen::Index>(rows.empty() ? 0 : rows.front().size());
+  Eigen::MatrixXd postures(static_cast<Eigen::Index>(rows.size()), n_joints);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    postures.row(static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::RowVectorXd>(rows[i].data(), n_joints);
+  }
+  return postures;
+}
+
 ordered_json outcome_json(const CellOutcome& outcome) {
   ordered_json json;
   if (outcome.training) {
@@ -85,6 +106,7 @@ ordered_json outcome_json(const CellOutcome& outcome) {
     json["weights"] = facts.weights;
   } else {
     json["design"] = design_json(outcome.design);
+    if (!outcome.witness.empty()) json["postures"] = postures_json(outcome.witness.postures);
     json["score"] = finite_or_null(outcome.score);
     json["achieved"] = outcome.achieved;
     json["reached"] = outcome.reached;
@@ -112,9 +134,12 @@ ordered_json outcome_json(const CellOutcome& outcome) {
 }
 
 ordered_json improvement_json(const Improvement& improvement) {
-  return {{"evaluations", improvement.evaluations}, {"seconds", improvement.seconds},
-          {"score", finite_or_null(improvement.score)}, {"achieved", improvement.achieved},
-          {"modules", improvement.modules}, {"mass_kg", improvement.mass}};
+  return {{"evaluations", improvement.evaluations},
+          {"seconds", improvement.seconds},
+          {"score", finite_or_null(improvement.score)},
+          {"achieved", improvement.achieved},
+          {"modules", improvement.modules},
+          {"mass_kg", improvement.mass}};
 }
 
 ordered_json event_line(const std::string& cell, const char* event, const ordered_json& rest) {
@@ -155,14 +180,39 @@ ordered_json done_line(const std::string& cell, const CellOutcome& outcome) {
 }
 
 CellOutcome read_outcome(const JsonCursor& line) {
-  line.expect_keys({"cell", "event", "design", "score", "achieved", "reached", "failure", "goalError_m", "modules",
-                    "mass_kg", "terms", "bound", "evaluations", "failedEvaluations", "programEvaluations", "work", "stop",
-                    "reason", "seconds", "cpuSeconds", "episodes", "steps", "updates", "meanReturn", "policy", "weights"});
+  line.expect_keys({"cell",
+                    "event",
+                    "design",
+                    "postures",
+                    "score",
+                    "achieved",
+                    "reached",
+                    "failure",
+                    "goalError_m",
+                    "modules",
+                    "mass_kg",
+                    "terms",
+                    "bound",
+                    "evaluations",
+                    "failedEvaluations",
+                    "programEvaluations",
+                    "work",
+                    "stop",
+                    "reason",
+                    "seconds",
+                    "cpuSeconds",
+                    "episodes",
+                    "steps",
+                    "updates",
+                    "meanReturn",
+                    "policy",
+                    "weights"});
   CellOutcome outcome;
   if (line.has("policy")) {
     outcome.training = read_training(line);
   } else {
     outcome.design = read_design(line.at("design"));
+    if (const auto postures = line.find("postures")) outcome.witness.postures = read_postures(*postures);
     outcome.score = number_or(line.at("score"), -kInfinity);
     outcome.achieved = line.at("achieved").boolean();
     outcome.reached = line.at("reached").boolean();
@@ -250,12 +300,12 @@ StudyFacts read_header(const JsonCursor& line) {
     ProblemFacts& facts = study.problems.emplace_back();
     facts.name = problem.at("name").text();
     facts.location = problem.at("location").text();
-    for (const JsonCursor& instance : problem.at("instances").items()) facts.instances.push_back(read_instance(instance));
+    for (const JsonCursor& instance : problem.at("instances").items())
+      facts.instances.push_back(read_instance(instance));
   }
   for (const JsonCursor& solver : line.at("solvers").items()) {
     solver.expect_keys({"label", "solver", "trained"});
-    study.solvers.push_back(
-        {solver.at("label").text(), solver.at("solver").text(), solver.at("trained").boolean()});
+    study.solvers.push_back({solver.at("label").text(), solver.at("solver").text(), solver.at("trained").boolean()});
   }
   for (const JsonCursor& seed : line.at("seeds").items()) study.seeds.push_back(seed.unsigned_integer());
   study.budget = read_budget(line.at("budget"));

@@ -97,6 +97,7 @@ struct TrainingFacts {
 /// What a finished cell found and what it spent.
 struct CellOutcome {
   DesignRecord design;  ///< the best; empty for a training
+  Witness witness{};    ///< the postures with which it is achieved; empty where it is not
   double score = -std::numeric_limits<double>::infinity();
   bool achieved = false;
   bool reached = false;

@@ -27,7 +27,7 @@ std::string view_page(const StudyFacts& study, const CellRecord& cell, const Pro
   solution.instance = cell.key.instance;
   solution.design = design_of(problem->library(), cell.outcome->design);
   solution.X_WB = problem->spec().X_WB;
-  solution.evaluation = problem->evaluate(solution.design);
+  solution.evaluation = problem->evaluate(solution.design, Fidelity::kFull, cell.outcome->witness);
   solution.solver = cell.key.label;
   solution.seed = cell.key.seed;
   solution.evaluations = cell.outcome->spent.evaluations;

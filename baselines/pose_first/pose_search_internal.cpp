@@ -47,7 +47,6 @@ std::optional<SearchEnd> PoseSearch::step(Meter& meter) {
   // Half of the work goes into what is new, half into what was found, once there is something.
   const bool tried = !elites_.empty() && improved_ < explored_ ? improve(meter) : explore(meter);
   if (meter.stopped()) return SearchEnd{};
-  tell(meter);
   idle_ = tried ? 0 : idle_ + 1;
   constexpr int kPatience = 1000;
   if (idle_ < kPatience) return std::nullopt;
@@ -121,6 +120,7 @@ std::vector<PoseSearch::Arrival> PoseSearch::arrivals(const Try& what, PoseProgr
                                                       double& work) {
   constexpr std::size_t kEnough = 6;
   std::vector<Arrival> here;
+  tell("poses", meter);
   const PoseProgram::Outcome outcome = program.solve(
       what.n_starts, [&](int i, Eigen::Ref<Eigen::VectorXd> v) { what.start(i, v, program); },
       [&](int, const Eigen::VectorXd& v) {
@@ -174,6 +174,7 @@ bool PoseSearch::finish(const Try& what, const PoseProgram& program, const Eigen
   constexpr int kMostPlanned = 2;
   if (!(screen.score > to_beat(meter)) || no_path_ >= kMostPlanned) return false;
   ++planned_;
+  tell("path", meter);
   Witness witness = program.witness(v);
   witness.only = true;
   const std::optional<Evaluation> full = meter.evaluate(problem_, program.design(v), Fidelity::kFull, witness);
@@ -194,6 +195,7 @@ void PoseSearch::refine(const Try& what, const PoseProgram& program, const Eigen
   const std::unique_ptr<SmoothProgram> smooth = problem_.relax(what.types, {.clearance_margin = clearance});
   if (!smooth || smooth->n_variables() != v.size()) return;
   ++refined_;
+  tell("clearance and mass", meter);
   const Eigen::VectorXd start = v.cwiseMax(smooth->lower()).cwiseMin(smooth->upper());
   const InnerResult result =
       minimise(Inner::kOwn, *smooth, start, {.max_iterations = options_.iterations, .first_penalty = 1e3}, meter);
@@ -221,9 +223,9 @@ void PoseSearch::keep(const std::vector<int>& types, const Eigen::VectorXd& v, d
   if (elites_.size() > kMostElites) elites_.pop_back();
 }
 
-void PoseSearch::tell(Meter& meter) const {
-  meter.say(fmt::format("{} sequences, {} meet the poses; {} postures free; {} paths planned, {} found", tried_, met_,
-                        free_, planned_, achieved_));
+void PoseSearch::tell(std::string_view stage, Meter& meter) const {
+  meter.say(fmt::format("{}: {} sequences, {} meet the poses; {} postures free; {} paths planned, {} found", stage,
+                        tried_, met_, free_, planned_, achieved_));
 }
 
 void PoseSearch::save(Archive& archive) const {

@@ -5,6 +5,7 @@
 #include <modsearch/baselines/pose_first/sequence_belief_internal.hpp>
 #include <modsearch/solvers/search.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace modsearch::detail {
@@ -56,7 +57,7 @@ class PoseSearch final : public Search {
               Meter& meter);
   void refine(const Try& what, const PoseProgram& program, const Eigen::VectorXd& v, double clearance, Meter& meter);
   void keep(const std::vector<int>& types, const Eigen::VectorXd& v, double score);
-  void tell(Meter& meter) const;
+  void tell(std::string_view stage, Meter& meter) const;
 
   PoseFirstOptions options_;
   const DesignProblem& problem_;

@@ -54,6 +54,7 @@ CellRecord done(const std::string& id, std::int64_t number) {
   cell.trace = {{1, 0.5, -0.25, false, 3, 2.5}, {40, 0.75, 0.1 + 0.2, true, 2, 1.5}};
   CellOutcome outcome;
   outcome.design = {{{"hinge", {{"distal", 1.0 / 3.0}, {"proximal", 0.5}}}, {"link", {{"length", 0.7}}}}};
+  outcome.witness.postures = Eigen::Matrix2d{{1.0 / 3.0, -0.5}, {2.0, 0.0}};
   outcome.score = 0.1 + 0.2;
   outcome.achieved = outcome.reached = true;
   outcome.goal_error = 1e-3;
@@ -84,6 +85,7 @@ void expect_equal(const CellRecord& a, const CellRecord& b) {
   EXPECT_EQ(a.key.budget.seconds, b.key.budget.seconds);
   EXPECT_EQ(difference(a, b), std::nullopt);
   EXPECT_EQ(a.outcome->design, b.outcome->design);
+  EXPECT_EQ(a.outcome->witness.postures, b.outcome->witness.postures);
   EXPECT_EQ(a.outcome->terms, b.outcome->terms);
   EXPECT_EQ(a.outcome->spent.seconds, b.outcome->spent.seconds);
   EXPECT_EQ(a.outcome->cpu_seconds, b.outcome->cpu_seconds);
