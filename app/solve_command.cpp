@@ -188,6 +188,8 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
     }
     if (!evaluated) {
       say("design       none: {}\n", kNothingEvaluated);
+    } else if (problem->infeasible()) {
+      say("design       none: the task is proved infeasible\n");
     } else if (nearest && nearest->design != solution.design) {
       write_out(evaluation_text(*problem, nearest->design, nearest->evaluation, "nearest"));
       say("best score   {:.6f}   {}: {}\n", solution.evaluation.score, standing(solution.evaluation.attempt),

@@ -48,6 +48,9 @@ struct Witness {
   Eigen::MatrixXd postures;  ///< [n_goals x n_joints], rad or m; empty: none. Of another size: not looked at
   /// Where the design is not achieved with them, no others are looked for: for searches that have more to try.
   bool only = false;
+  /// Share of the planner's iterations that a motion between them may take, in (0, 1]. A motion that is found within
+  /// them is the one that all of them find; the few that take more are many times as dear as the others.
+  double patience = 1.0;
 
   [[nodiscard]] bool empty() const { return postures.size() == 0; }
 };

@@ -236,6 +236,10 @@ Evaluation RobotProblem::do_evaluate_with(const Design& design, Fidelity fidelit
                          .p_WB = base_pose(design).translation(),
                          .time_step = spec_.time_step,
                          .witness = witness};
+  if (!witness.empty()) {
+    options.planner.max_iterations =
+        std::max<std::int64_t>(1, std::llround(witness.patience * static_cast<double>(options.planner.max_iterations)));
+  }
   if (fidelity == Fidelity::kScreen && options.level == Level::kPath) options.level = Level::kPostureSelf;
   if (fidelity == Fidelity::kPoses) options.level = Level::kNone;
 

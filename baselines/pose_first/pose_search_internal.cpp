@@ -19,6 +19,8 @@ constexpr double kStepsPerEvaluation = 60.0;
 constexpr double kStepsPerProgram = 60.0;
 constexpr double kStepsPerState = 4.0;
 constexpr double kStepsPerSequence = 150.0;
+// How fast patience with the planner grows while no path was found: tenfold in thirteen plans.
+constexpr double kLessHasty = 1.2;
 
 double work_of(const Progress& before, const Progress& after) {
   return kStepsPerEvaluation * static_cast<double>(after.evaluations - before.evaluations) +
@@ -177,10 +179,13 @@ bool PoseSearch::finish(const Try& what, const PoseProgram& program, const Eigen
   tell("path", meter);
   Witness witness = program.witness(v);
   witness.only = true;
+  witness.patience = patience_;
   const std::optional<Evaluation> full = meter.evaluate(problem_, program.design(v), Fidelity::kFull, witness);
   if (!full) return false;
   if (!full->attempt.achieved) {
     ++no_path_;
+    // Most motions are found soon or not at all; where none was found yet, perhaps all are hard to find.
+    if (achieved_ == 0) patience_ = std::min(1.0, kLessHasty * patience_);
     return false;
   }
   ++achieved_;
@@ -233,7 +238,7 @@ void PoseSearch::save(Archive& archive) const {
   belief_.save(archive);
   archive.put("pose-first/counts",
               std::array<std::int64_t, 8>{begun_ ? 1 : 0, idle_, tried_, met_, free_, refined_, planned_, achieved_});
-  archive.put("pose-first/numbers", std::array<double, 3>{floor_, explored_, improved_});
+  archive.put("pose-first/numbers", std::array<double, 4>{floor_, explored_, improved_, patience_});
   archive.put_integer("pose-first/elites", static_cast<std::int64_t>(elites_.size()));
   for (std::size_t i = 0; i < elites_.size(); ++i) {
     const std::string name = fmt::format("pose-first/elite {}", i);
@@ -258,10 +263,11 @@ void PoseSearch::restore(const Archive& archive) {
   planned_ = counts[6];
   achieved_ = counts[7];
   const std::vector<double> numbers = archive.numbers("pose-first/numbers");
-  if (numbers.size() != 3) archive.fail("pose-first/numbers", "does not hold 3 numbers");
+  if (numbers.size() != 4) archive.fail("pose-first/numbers", "does not hold 4 numbers");
   floor_ = numbers[0];
   explored_ = numbers[1];
   improved_ = numbers[2];
+  patience_ = numbers[3];
   elites_.clear();
   const std::int64_t n = archive.integer("pose-first/elites");
   for (std::int64_t i = 0; i < n; ++i) {

@@ -69,9 +69,9 @@ class PoseSearch final : public Search {
   std::vector<Elite> elites_;
   double explored_ = 0.0;  // work spent on drawn sequences, and on changes of what was found
   double improved_ = 0.0;
-  double spent_ = 0.0;  // work of the try under way
-  int idle_ = 0;        // steps in a row that found nothing to try
-  int no_path_ = 0;     // planned in vain in the try under way
+  int idle_ = 0;            // steps in a row that found nothing to try
+  int no_path_ = 0;         // planned in vain in the try under way
+  double patience_ = 0.05;  // with the planner, see Witness: 250 of its 5000 iterations (most paths take fewer)
   std::int64_t tried_ = 0, met_ = 0, free_ = 0, refined_ = 0, planned_ = 0, achieved_ = 0;
 };
 
