@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds the command line and compares solvers on the built-in study `quick`: a trained agent,
-# random search, evolution, Ipopt and what is certified, in one table. Then the reference problem seed/fixed with its best
-# design verified by a collision-free path, and a page to look at. May be run again at any time.
+# random search, evolution, Ipopt and what is certified, in one table; and on one task as laboratories have them (`real`):
+# three poses, real modules, boxes. Then the reference problem seed/fixed with its best design verified by a collision-free
+# path, and pages to look at. May be run again at any time.
 set -euo pipefail
 # shellcheck source=setup
 source "$(dirname "$0")/setup"
@@ -26,9 +27,11 @@ rm -rf "$answers"
 mkdir -p "$answers"
 say "Comparing solvers and an agent, under two minutes on two cores ..."
 "$modsearch" compare "$study" --jobs "$cores" --out "$answers/$study"
+printf '\nA real task: three full poses among three boxes, drives that must hold the arm, a verified path; 8 s for each solver:\n'
+"$modsearch" compare real --jobs "$cores" --out "$answers/real"
 
 printf '\nThe reference problem %s, and every segment of its path checked ten times finer than the planner did:\n' "$problem"
 "$modsearch" solve "$problem" --fidelity path --quiet --out "$answers"
 "$modsearch" verify "$answers/solution.json" || die "The best design could not be verified."
-printf '\nIn any browser:\n  the comparison, with its figures:              %s\n  the robot, its path and its score in 3-D:      %s\n' \
-  "$answers/$study/report.html" "$answers/view.html"
+printf '\nIn any browser:\n  the comparison, with its figures:              %s\n  the real task, with each arm and its motion:   %s\n  the robot, its path and its score in 3-D:      %s\n' \
+  "$answers/$study/report.html" "$answers/real/report.html" "$answers/view.html"
