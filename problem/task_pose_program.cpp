@@ -23,7 +23,8 @@ bool TaskPoseProgram::covers(const Task& task) {
 TaskPoseProgram::TaskPoseProgram(const RobotProblem& problem, std::span<const int> types)
     : problem_{problem},
       types_{types.begin(), types.end()},
-      chain_{problem.chain(types)},
+      // Not from the problem's memory: of the sequences that poses are solved for, few are ever evaluated.
+      chain_{std::make_shared<const Chain>(problem.library().assemble(types, problem.spec().X_WB))},
       n_goals_{static_cast<Eigen::Index>(problem.task().goals().size())},
       ik_{*chain_, regions_of(problem.task()), parameter_box(problem.library(), types).lower,
           parameter_box(problem.library(), types).upper} {}
