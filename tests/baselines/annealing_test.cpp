@@ -23,13 +23,21 @@ TEST(SimulatedAnnealing, FindsTheThinOneModuleOptimumOfSeedFixed) {
   }
 }
 
-// A sphere of 0.3 m around the target: no design is achieved, whatever its types promise.
+// Six balls of 0.18 m about the target, 0.2 m away along the axes: nothing is proved of a tip that may come from
+// anywhere, and the disc of 0.055 m at the end of every module overlaps one of them: seen along (1, 1, 1), the way
+// farthest from all of them, its rim at (0.039, -0.039, 0) is 0.166 m away from the centre at (0.2, 0, 0). So no design
+// is achieved, whatever its types promise.
 TEST(SimulatedAnnealing, GoesOnWhereNothingIsAchieved) {
   RobotProblemSpec spec = load_problem("seed/fixed")->spec();
-  Obstacle ball;
-  ball.name = "ball";
-  ball.shapes.push_back({Sphere{0.3}, Eigen::Isometry3d{Eigen::Translation3d{1.0, 0.0, 1.0}}});
-  spec.scene = std::make_shared<Scene>(std::vector<Obstacle>{ball});
+  Obstacle balls;
+  balls.name = "balls";
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double away : {-0.2, 0.2}) {
+      const Eigen::Vector3d p_W = Eigen::Vector3d{1.0, 0.0, 1.0} + away * Eigen::Vector3d::Unit(axis);
+      balls.shapes.push_back({Sphere{0.18}, Eigen::Isometry3d{Eigen::Translation3d{p_W}}});
+    }
+  }
+  spec.scene = std::make_shared<Scene>(std::vector<Obstacle>{balls});
   const RobotProblem problem{spec};
   Meter meter{{.evaluations = 2000}};
   const Solution solution = SimulatedAnnealing{}.solve(problem, meter, Rng{1});
