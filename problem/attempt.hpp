@@ -46,7 +46,7 @@ inline constexpr std::size_t kFailures = static_cast<std::size_t>(Failure::kThre
 /// where the design is achieved with them (PROBLEM 3).
 struct Witness {
   Eigen::MatrixXd postures;  ///< [n_goals x n_joints], rad or m; empty: none. Of another size: not looked at
-  /// Where the design is not achieved with them, no others are looked for: for searches that have more to try.
+  /// For searches: no others are looked for, and a motion counts if it is free when looked at as finely as `verify` does.
   bool only = false;
   /// Share of the planner's iterations that a motion between them may take, in (0, 1]. A motion that is found within
   /// them is the one that all of them find; the few that take more are many times as dear as the others.

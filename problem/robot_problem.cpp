@@ -20,6 +20,18 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kProvedImpossible = -kInfinity;
 
+// A motion of the planner may reach half its resolution into a body: what does so is none, as for `verify`.
+void look_finer(const Arm& arm, const Scene& scene, const PlanOptions& planner, Attempt& attempt) {
+  constexpr double kFiner = 10.0;  // as VerificationOptions::refinement
+  if (!attempt.path || scene.any_moves()) return;
+  const PathCheck check = check_path(arm, scene, *attempt.path, planner.resolution / kFiner, planner.self_collision);
+  attempt.work += check.work;
+  if (check.free) return;
+  attempt.achieved = false;
+  attempt.collides = true;
+  attempt.why = Failure::kNoPath;
+}
+
 // Why no arm of `n` modules can be completed.
 std::string incompletable(int n, int least_joints) {
   const std::string joints = least_joints == 0   ? ""
@@ -246,6 +258,7 @@ Evaluation RobotProblem::do_evaluate_with(const Design& design, Fidelity fidelit
   Evaluation evaluation;
   evaluation.attempt = task().attempt(arm, scene(), options);
   Attempt& attempt = evaluation.attempt;
+  if (witness.only && attempt.achieved) look_finer(arm, scene(), spec_.planner, attempt);
   if (!library().complete(types)) {
     attempt.achieved = false;
     attempt.why = Failure::kIncomplete;
