@@ -29,6 +29,7 @@
 #include <modsearch/kinematics/inverse_kinematics.hpp>
 #include <modsearch/kinematics/low_discrepancy.hpp>
 #include <modsearch/kinematics/parametric_pose.hpp>
+#include <modsearch/kinematics/path_free.hpp>
 #include <modsearch/kinematics/path_planning.hpp>
 #include <modsearch/kinematics/pose_following.hpp>
 #include <modsearch/kinematics/pose_region.hpp>

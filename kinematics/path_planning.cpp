@@ -4,9 +4,11 @@
 #include <cmath>
 #include <modsearch/kinematics/edge_checker_internal.hpp>
 #include <modsearch/kinematics/joint_box_internal.hpp>
+#include <modsearch/kinematics/path_free.hpp>
 #include <modsearch/kinematics/path_planning.hpp>
 #include <modsearch/kinematics/rrt_connect_internal.hpp>
 #include <modsearch/kinematics/shortcut_internal.hpp>
+#include <optional>
 #include <stdexcept>
 
 namespace modsearch {
@@ -78,6 +80,38 @@ Plan planned(const Arm& arm, const Eigen::VectorXd& q_start, const Eigen::Vector
   return plan;
 }
 
+// Shows `look` the postures along `path`, between which no body point moves farther than `resolution`, until it returns
+// false. Whether all waypoints are within the limits; nothing for an empty path.
+template <typename Look>
+std::optional<bool> walk(const char* who, const Arm& arm, const Path& path, double resolution, Look&& look) {
+  check_positive(who, "resolution [m]", resolution);
+  const Eigen::Index n_waypoints = path.waypoints.rows();
+  if (n_waypoints == 0) return std::nullopt;
+  std::vector<Eigen::VectorXd> waypoints;
+  bool within = true;
+  for (Eigen::Index i = 0; i < n_waypoints; ++i) {
+    waypoints.emplace_back(path.waypoints.row(i).transpose());
+    check_joints(who, "a waypoint", arm, waypoints.back());
+    within = within && within_limits(arm.chain(), waypoints.back());
+  }
+  const MotionBound motion(arm, path.waypoints.colwise().minCoeff(), path.waypoints.colwise().maxCoeff());
+  Posture posture;
+  Eigen::VectorXd q = waypoints.front();
+  arm.forward(q.data(), posture);
+  if (!look(posture)) return within;
+  for (std::size_t i = 0; i + 1 < waypoints.size(); ++i) {
+    const double* a = waypoints[i].data();
+    const double* b = waypoints[i + 1].data();
+    const std::int64_t n = parts_of(motion.travel(a, b), resolution);
+    for (std::int64_t k = 1; k <= n; ++k) {
+      interpolate(a, b, k, n, arm.n_joints(), q.data());
+      arm.forward(q.data(), posture);
+      if (!look(posture)) return within;
+    }
+  }
+  return within;
+}
+
 }  // namespace
 
 std::string_view name(PlanStatus status) {
@@ -111,47 +145,35 @@ Plan plan_path(const Arm& arm, const Scene& scene, const Eigen::VectorXd& q_star
 }
 
 PathCheck check_path(const Arm& arm, const Scene& scene, const Path& path, double resolution, bool self_collision) {
-  check_positive("check_path", "resolution [m]", resolution);
   PathCheck check;
   check.clearance = check.self_clearance = std::numeric_limits<double>::infinity();
-  const Eigen::Index n_waypoints = path.waypoints.rows();
-  if (n_waypoints == 0) return check;
-
-  std::vector<Eigen::VectorXd> waypoints;
-  check.within_limits = true;
-  for (Eigen::Index i = 0; i < n_waypoints; ++i) {
-    waypoints.emplace_back(path.waypoints.row(i).transpose());
-    check_joints("check_path", "a waypoint", arm, waypoints.back());
-    check.within_limits = check.within_limits && within_limits(arm.chain(), waypoints.back());
-  }
-  const MotionBound motion(arm, path.waypoints.colwise().minCoeff(), path.waypoints.colwise().maxCoeff());
-
   bool collides = false;
-  Posture posture;
-  Eigen::VectorXd q(arm.n_joints());
-  const auto look = [&] {
-    arm.forward(q.data(), posture);
+  const std::optional<bool> within = walk("check_path", arm, path, resolution, [&](const Posture& posture) {
     ++check.work.forward;
     ++check.work.planner_states;
     collides = collides || scene.collides(arm, posture, check.work) ||
                (self_collision && self_collides(arm, posture, check.work));
     check.clearance = scene.clearance(arm, posture, check.work, check.clearance);
     if (self_collision) check.self_clearance = self_clearance(arm, posture, check.work, check.self_clearance);
-  };
-  q = waypoints.front();
-  look();
-  for (std::size_t i = 0; i + 1 < waypoints.size(); ++i) {
-    const double* a = waypoints[i].data();
-    const double* b = waypoints[i + 1].data();
-    const std::int64_t n = parts_of(motion.travel(a, b), resolution);
-    for (std::int64_t k = 1; k <= n; ++k) {
-      interpolate(a, b, k, n, arm.n_joints(), q.data());
-      look();
-    }
-  }
+    return true;
+  });
+  if (!within) return check;
+  check.within_limits = *within;
   check.states = check.work.planner_states;
   check.free = check.within_limits && !collides;
   return check;
+}
+
+bool path_is_free(const Arm& arm, const Scene& scene, const Path& path, double resolution, bool self_collision,
+                  Work& work) {
+  bool collides = false;
+  const std::optional<bool> within = walk("path_is_free", arm, path, resolution, [&](const Posture& posture) {
+    ++work.forward;
+    ++work.planner_states;
+    collides = scene.collides(arm, posture, work) || (self_collision && self_collides(arm, posture, work));
+    return !collides;
+  });
+  return within.value_or(false) && !collides;
 }
 
 }  // namespace modsearch

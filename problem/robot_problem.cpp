@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <modsearch/kinematics/path_free.hpp>
 #include <modsearch/problem/base_placement.hpp>
 #include <modsearch/problem/completion_internal.hpp>
 #include <modsearch/problem/completions_internal.hpp>
@@ -24,9 +25,8 @@ constexpr double kProvedImpossible = -kInfinity;
 void look_finer(const Arm& arm, const Scene& scene, const PlanOptions& planner, Attempt& attempt) {
   constexpr double kFiner = 10.0;  // as VerificationOptions::refinement
   if (!attempt.path || scene.any_moves()) return;
-  const PathCheck check = check_path(arm, scene, *attempt.path, planner.resolution / kFiner, planner.self_collision);
-  attempt.work += check.work;
-  if (check.free) return;
+  const double resolution = planner.resolution / kFiner;
+  if (path_is_free(arm, scene, *attempt.path, resolution, planner.self_collision, attempt.work)) return;
   attempt.achieved = false;
   attempt.collides = true;
   attempt.why = Failure::kNoPath;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <modsearch/kinematics/edge_checker_internal.hpp>
+#include <modsearch/kinematics/path_free.hpp>
 #include <modsearch/kinematics/path_planning.hpp>
 #include <sstream>
 #include <thread>
@@ -223,6 +224,9 @@ TEST(PlanPath, GoesRoundTheArmItself) {
   EXPECT_EQ(blind.path.waypoints.rows(), 2);
   EXPECT_FALSE(check_path(arm, Scene{}, blind.path, 0.001, true).free);
   EXPECT_TRUE(check_path(arm, Scene{}, blind.path, 0.001, false).free);
+  Work work;
+  EXPECT_FALSE(path_is_free(arm, Scene{}, blind.path, 0.001, true, work)) << "the verdict alone is the same";
+  EXPECT_TRUE(path_is_free(arm, Scene{}, blind.path, 0.001, false, work));
 }
 
 TEST(PlanPath, SlidesToo) {
