@@ -46,7 +46,7 @@ inline constexpr std::size_t kFailures = static_cast<std::size_t>(Failure::kThre
 /// where the design is achieved with them (PROBLEM 3).
 struct Witness {
   Eigen::MatrixXd postures;  ///< [n_goals x n_joints], rad or m; empty: none. Of another size: not looked at
-  /// For searches: no others are looked for, and a motion counts if it is free when looked at as finely as `verify` does.
+  /// For searches: no others are looked for, and a motion has to be free at states as dense as `verify` takes.
   bool only = false;
   /// Share of the planner's iterations that a motion between them may take, in (0, 1]. A motion that is found within
   /// them is the one that all of them find; the few that take more are many times as dear as the others.
@@ -64,8 +64,8 @@ struct Attempt {
   double goal_error = 0.0;              ///< largest distance of the tip from a goal's nominal position [m]
   /// Mean over the goals of |t - p| / |t - b| where not reached, 0 where reached; |t - b| at least 1e-9 m.
   double relative_error = 0.0;
-  /// Least over the goals' postures where all are reached [m]; < 0: overlap. Where one is missed bodies are asked whether
-  /// they overlap, and no more.
+  /// Least over the goals' postures where all are reached [m]; < 0: overlap. Where one is missed bodies are asked
+  /// whether they overlap, and no more.
   double clearance = std::numeric_limits<double>::infinity();
   /// Likewise the largest share of a joint's peak torque at any posture; 0 where these are not limited.
   double torque_share = 0.0;

@@ -13,7 +13,7 @@ class Trial {
 
   /// Looks for postures at a goal that is visited. Before any of what follows, at all such goals.
   void seek(int goal);
-  /// One of the goal's postures: the best one where everything sought is reached. Else one that touches nothing will do.
+  /// One of the goal's postures: the best one where everything sought is reached. Else any that touches nothing.
   void visit(int goal);
   /// Postures for all poses of the trajectory. The arm may begin in one of several: the one from which it gets farthest
   /// counts, among those from which it gets through the best one on the whole way.
