@@ -8,7 +8,7 @@ struct PoseFirstOptions {
   /// Of the pose program, each time that a sequence is tried. Measured on six tasks of `whitman/3g_3o`, seed 7, five
   /// seconds each: 16, 32 and 64 end at 52.4, 52.3 and 53.7 in the median.
   int starts = 64;
-  int iterations = 25;  ///< of the smooth program that makes room for bodies and takes off mass; see `pose_first.cpp`
+  int iterations = 25;  ///< of the smooth program that makes room for bodies and takes off mass
 };
 
 /// Poses first, clearance when needed: for tasks of several full poses among obstacles.

@@ -22,6 +22,13 @@ constexpr double kStepsPerSequence = 150.0;
 // How fast patience with the planner grows while no path was found: tenfold in thirteen plans.
 constexpr double kLessHasty = 1.2;
 
+// The postures at `v`, and no others: there are other points to try.
+Witness only(const PoseProgram& program, const Eigen::VectorXd& v) {
+  Witness witness = program.witness(v);
+  witness.only = true;
+  return witness;
+}
+
 double work_of(const Progress& before, const Progress& after) {
   return kStepsPerEvaluation * static_cast<double>(after.evaluations - before.evaluations) +
          kStepsPerProgram * static_cast<double>(after.program_evaluations - before.program_evaluations) +
@@ -126,10 +133,8 @@ std::vector<PoseSearch::Arrival> PoseSearch::arrivals(const Try& what, PoseProgr
   const PoseProgram::Outcome outcome = program.solve(
       what.n_starts, [&](int i, Eigen::Ref<Eigen::VectorXd> v) { what.start(i, v, program); },
       [&](int, const Eigen::VectorXd& v) {
-        Witness witness = program.witness(v);
-        witness.only = true;
         const std::optional<Evaluation> screen =
-            meter.evaluate(problem_, program.design(v), Fidelity::kScreen, witness);
+            meter.evaluate(problem_, program.design(v), Fidelity::kScreen, only(program, v));
         if (!screen) return false;
         here.push_back({v, *screen});
         return here.size() < kEnough;
@@ -166,31 +171,29 @@ void PoseSearch::settle(const Try& what, const PoseProgram& program, const Arriv
   ++free_;
   const double score = arrival.screen.score;
   keep(what.types, arrival.v, score);
-  if (score > to_beat(meter)) finish(what, program, arrival.v, arrival.screen, meter);
+  finish(what, program, arrival.v, arrival.screen, meter);
   if (score + kHope * (what.bound - score) > to_beat(meter)) refine(what, program, arrival.v, kLess, meter);
 }
 
-// The evaluation with a path, where the screen promises more than the best. False: none was found.
-bool PoseSearch::finish(const Try& what, const PoseProgram& program, const Eigen::VectorXd& v, const Evaluation& screen,
+// The evaluation with a path, where the screen promises more than the best.
+void PoseSearch::finish(const Try& what, const PoseProgram& program, const Eigen::VectorXd& v, const Evaluation& screen,
                         Meter& meter) {
   constexpr int kMostPlanned = 2;
-  if (!(screen.score > to_beat(meter)) || no_path_ >= kMostPlanned) return false;
+  if (!(screen.score > to_beat(meter)) || no_path_ >= kMostPlanned) return;
   ++planned_;
   tell("path", meter);
-  Witness witness = program.witness(v);
-  witness.only = true;
+  Witness witness = only(program, v);
   witness.patience = patience_;
   const std::optional<Evaluation> full = meter.evaluate(problem_, program.design(v), Fidelity::kFull, witness);
-  if (!full) return false;
+  if (!full) return;
   if (!full->attempt.achieved) {
     ++no_path_;
     // Most motions are found soon or not at all; where none was found yet, perhaps all are hard to find.
     if (achieved_ == 0) patience_ = std::min(1.0, kLessHasty * patience_);
-    return false;
+    return;
   }
   ++achieved_;
   keep(what.types, v, full->score);
-  return true;
 }
 
 // Makes room for the bodies and takes off mass, from `v`, by the smooth program.
@@ -205,14 +208,12 @@ void PoseSearch::refine(const Try& what, const PoseProgram& program, const Eigen
   const InnerResult result =
       minimise(Inner::kOwn, *smooth, start, {.max_iterations = options_.iterations, .first_penalty = 1e3}, meter);
   if (result.v.size() != v.size() || !result.v.allFinite() || !(result.violation < kFeasible)) return;
-  const Eigen::VectorXd there = result.v;
-  Witness witness = program.witness(there);
-  witness.only = true;
-  const std::optional<Evaluation> screen = meter.evaluate(problem_, program.design(there), Fidelity::kScreen, witness);
+  const std::optional<Evaluation> screen =
+      meter.evaluate(problem_, program.design(result.v), Fidelity::kScreen, only(program, result.v));
   if (!screen || !screen->attempt.achieved) return;
   ++free_;
-  keep(what.types, there, screen->score);
-  finish(what, program, there, *screen, meter);
+  keep(what.types, result.v, screen->score);
+  finish(what, program, result.v, *screen, meter);
 }
 
 void PoseSearch::keep(const std::vector<int>& types, const Eigen::VectorXd& v, double score) {

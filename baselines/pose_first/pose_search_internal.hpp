@@ -53,7 +53,7 @@ class PoseSearch final : public Search {
   [[nodiscard]] std::vector<Arrival> arrivals(const Try& what, PoseProgram& program, Meter& meter, double& work);
   void settle(const Try& what, const PoseProgram& program, std::vector<Arrival> here, Meter& meter);
   void settle(const Try& what, const PoseProgram& program, const Arrival& arrival, Meter& meter);
-  bool finish(const Try& what, const PoseProgram& program, const Eigen::VectorXd& v, const Evaluation& screen,
+  void finish(const Try& what, const PoseProgram& program, const Eigen::VectorXd& v, const Evaluation& screen,
               Meter& meter);
   void refine(const Try& what, const PoseProgram& program, const Eigen::VectorXd& v, double clearance, Meter& meter);
   void keep(const std::vector<int>& types, const Eigen::VectorXd& v, double score);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <modsearch/baselines/pose_first/sequence_change_internal.hpp>
+#include <modsearch/baselines/pose_first/sequence_sampler_internal.hpp>
 #include <numeric>
 
 namespace modsearch::detail {
@@ -40,11 +41,6 @@ void change_once(const ModuleLibrary& library, Slots& slots, Rng& rng) {
   }
 }
 
-int joints_of(const ModuleType& type) {
-  return static_cast<int>(
-      std::count_if(type.joints.begin(), type.joints.end(), [](const ModuleJoint& joint) { return !joint.fixed; }));
-}
-
 // Where the numbers of each module begin.
 template <typename Count>
 std::vector<int> starts_of(const std::vector<int>& types, Count&& count) {
@@ -81,7 +77,7 @@ std::optional<SequenceChange> changed(const DesignProblem& problem, const std::v
     if (!possible) continue;
     SequenceChange change{.types = std::move(slots.types), .from = std::move(slots.from)};
     const auto n_parameters = [&](int k) { return library.type(k).n_parameters(); };
-    const auto n_joints = [&](int k) { return joints_of(library.type(k)); };
+    const auto n_joints = [&](int k) { return moving_joints(library.type(k)); };
     change.parameters = kept(change, types, n_parameters);
     change.joints = kept(change, types, n_joints);
     change.old_parameters = starts_of(types, n_parameters).back();

@@ -4,11 +4,6 @@
 namespace modsearch::detail {
 namespace {
 
-int moving_joints(const ModuleType& type) {
-  return static_cast<int>(
-      std::count_if(type.joints.begin(), type.joints.end(), [](const ModuleJoint& joint) { return !joint.fixed; }));
-}
-
 bool has_end_effectors(const ModuleLibrary& library) {
   for (int k = 0; k < library.n_types(); ++k) {
     if (library.type(k).role() == ModuleRole::kEndEffector) return true;
@@ -17,6 +12,11 @@ bool has_end_effectors(const ModuleLibrary& library) {
 }
 
 }  // namespace
+
+int moving_joints(const ModuleType& type) {
+  return static_cast<int>(
+      std::count_if(type.joints.begin(), type.joints.end(), [](const ModuleJoint& joint) { return !joint.fixed; }));
+}
 
 SequenceSampler::SequenceSampler(const ModuleLibrary& library, int most_modules)
     : library_{library}, most_modules_{most_modules} {

@@ -8,6 +8,9 @@
 
 namespace modsearch::detail {
 
+/// Joints of the module that move.
+[[nodiscard]] int moving_joints(const ModuleType& type);
+
 /// All type sequences with so many modules and so many joints that move.
 struct Stratum {
   int modules = 0;
