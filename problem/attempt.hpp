@@ -61,6 +61,9 @@ struct Attempt {
   bool achieved = false;                ///< and the collision level is met too
   bool collides = false;                ///< the level is violated: an overlap, or no path
   Failure why = Failure::kUnreachable;  ///< first reason for not being achieved
+  /// Where not achieved: that is how a search for postures or motions ended and no proof. Another attempt, with other
+  /// starts or more patience, might succeed.
+  bool inconclusive = false;
   double goal_error = 0.0;              ///< largest distance of the tip from a goal's nominal position [m]
   /// Mean over the goals of |t - p| / |t - b| where not reached, 0 where reached; |t - b| at least 1e-9 m.
   double relative_error = 0.0;
