@@ -25,7 +25,8 @@ struct SolveArguments {
   std::optional<std::int64_t> evaluations;
   std::optional<double> seconds;
   std::uint64_t seed = 0;
-  bool until_achieved = false;  ///< the first achieved design will do
+  std::optional<double> verify_seconds;  ///< for what follows the search
+  bool until_achieved = false;           ///< the first achieved design will do
   bool at_path_level = false;
   bool refine = false;
   std::optional<std::filesystem::path> checkpoint;

@@ -1,13 +1,17 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
 #include <modsearch/baselines/certificate.hpp>
+#include <modsearch/baselines/lexicographic.hpp>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "app/checker_process.hpp"
 #include "app/chosen_problem_internal.hpp"
 #include "app/commands.hpp"
 #include "app/output_internal.hpp"
@@ -35,13 +39,14 @@ std::string statement(const Certificate& certificate, const RobotProblem& proble
   const int most = problem.max_modules() - 1;
   const auto modules = [](int n) { return plural(n, "module"); };
   if (arguments.fewer) {
-    return fmt::format("no design that {} scores above {:.9g}: all of at most {} would", reaches, certificate.upper,
-                       modules(*arguments.fewer));
+    return fmt::format("no design that {} scores above {}: all of at most {} would", reaches,
+                       rounded_up(certificate.upper, 9), modules(*arguments.fewer));
   }
   if (std::isinf(certificate.upper)) {
     return certificate.upper < 0.0 ? fmt::format("no design of at most {} {}", modules(most), reaches) : "nothing yet";
   }
-  return fmt::format("no design of at most {} that {} scores above {:.9g}", modules(most), reaches, certificate.upper);
+  return fmt::format("no design of at most {} that {} scores above {}", modules(most), reaches,
+                     rounded_up(certificate.upper, 9));
 }
 
 std::string not_proved(const RobotProblem& problem) {
@@ -61,6 +66,29 @@ std::string not_proved(const RobotProblem& problem) {
   return text;
 }
 
+// The bound as it was claimed, once the checker has read what was written: a claim that it refuses is none.
+struct Checked {
+  bool accepted = false;
+  std::string why_not{};
+  double seconds = 0.0;
+};
+
+// Writes the certificate and has it checked; under its name it stands only once it is accepted.
+Checked write_checked(const std::filesystem::path& out, const Certificate& certificate, double seconds,
+                      std::stop_token stop) {
+  if (certificate.json.empty()) return {.why_not = certificate.open};
+  const std::filesystem::path unchecked = out.string() + ".unchecked";
+  write_file(unchecked, certificate.json);
+  const CheckerVerdict verdict = run_checker(unchecked, seconds, std::move(stop));
+  if (verdict.kind != CheckerVerdict::Kind::kAccepted) {
+    std::filesystem::remove(unchecked);
+    const std::string_view who = verdict.kind == CheckerVerdict::Kind::kRefused ? "the checker refuses it: " : "";
+    return {.why_not = fmt::format("{}{}", who, verdict.reason), .seconds = verdict.seconds};
+  }
+  std::filesystem::rename(unchecked, out);
+  return {.accepted = true, .seconds = verdict.seconds};
+}
+
 }  // namespace
 
 Status certify(const CertifyArguments& arguments, const CommonArguments& common, std::stop_token stop) {
@@ -75,24 +103,26 @@ Status certify(const CertifyArguments& arguments, const CommonArguments& common,
   const Certificate certificate = make_certificate(
       problem, {.gap = arguments.gap, .fewer = arguments.fewer},
       {problem_reference(arguments.problem, folder), chosen.instance, scoring_text(arguments.problem)}, meter);
-  if (!certificate.json.empty()) write_file(arguments.out, certificate.json);
-
-  const bool interrupted = meter.stopped() == StopReason::kInterrupted;
   const double taken = meter.progress().seconds;
-  const bool proved = !certificate.json.empty();
+  const Checked checked = write_checked(arguments.out, certificate, std::max(kSeconds, seconds), stop);
+  const bool interrupted = stop.stop_requested();
+  const bool proved = checked.accepted;
+  const std::string& open = proved ? certificate.open : checked.why_not;
+  const bool closed = proved && certificate.closed;
   if (common.json) {
-    nlohmann::ordered_json json{{"problem", arguments.problem}, {"proved", proved}, {"closed", certificate.closed}};
+    nlohmann::ordered_json json{{"problem", arguments.problem}, {"proved", proved}, {"closed", closed}};
     if (std::isfinite(certificate.upper)) json["upper"] = certificate.upper;
     if (certificate.upper == -std::numeric_limits<double>::infinity()) json["unreachable"] = true;
     if (certificate.lower) json["lower"] = *certificate.lower;
     if (certificate.gap) json["gap"] = *certificate.gap;
-    json["open"] = certificate.open;
+    json["open"] = open;
     json["notProved"] = not_proved(problem);
     json["boxes"] = certificate.boxes;
     json["sequences"] = certificate.sequences;
     json["leaves"] = certificate.leaves;
     json["bytes"] = certificate.json.size();
     json["seconds"] = taken;
+    json["checkSeconds"] = checked.seconds;
     if (proved) json["file"] = arguments.out.string();
     print(json);
   } else {
@@ -102,25 +132,24 @@ Status certify(const CertifyArguments& arguments, const CommonArguments& common,
       say("interval     [{:.9g}, {:.9g}], {:.3g} % of the mass\n", *certificate.lower, certificate.upper,
           100.0 * *certificate.gap);
     }
-    if (!certificate.open.empty()) say("open         {}\n", interrupted ? "interrupted" : certificate.open);
+    if (!open.empty()) say("open         {}\n", interrupted ? "interrupted" : open);
     say("no part      {}\n", not_proved(problem));
     say("search       {}; {} in {}, {:.3f} s\n", plural(certificate.boxes, "box", "boxes"),
         plural(certificate.leaves, "leaf", "leaves"), plural(certificate.sequences, "type sequence"), taken);
     if (proved) {
-      say("wrote        {} ({} bytes); to check it: modsearch check-certificate {}\n", arguments.out.string(),
+      say("checked      accepted by modsearch-check in {:.3f} s\n", checked.seconds);
+      say("wrote        {} ({} bytes); to check it again: modsearch check-certificate {}\n", arguments.out.string(),
           certificate.json.size(), shell_word(arguments.out.string()));
     } else {
       say("wrote        nothing\n");
     }
   }
   if (interrupted) return Status::kInterrupted;
-  return proved && certificate.closed ? Status::kSuccess : Status::kNegative;
+  return closed ? Status::kSuccess : Status::kNegative;
 }
 
 Status check_certificate(const CheckCertificateArguments& arguments, const CommonArguments& common) {
-  std::error_code error;
-  const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::string program = (own.parent_path() / "modsearch-check").string();
+  const std::string program = checker_program().string();
   std::string name = "modsearch-check";
   std::string json = "--json";
   std::string file = arguments.file;

@@ -100,6 +100,14 @@ void describe(CLI::App& app, Arguments& a) {
           "--seconds", [&](const std::string& text) { a.solve.seconds = parse_seconds("--seconds", text); },
           "at most this long [s]; 30 without --evaluations")
       ->type_name("S");
+  solve
+      .add_option_function<std::string>(
+          "--verify-seconds",
+          [&](const std::string& text) { a.solve.verify_seconds = parse_seconds("--verify-seconds", text); },
+          "at most this long for what follows the search, the verification of its answer [s]; what is left of "
+          "--seconds "
+          "and 1 more, 60 without --seconds")
+      ->type_name("S");
   add_seed(solve, a.solve.seed, "of the solver's random numbers (default 0)");
   solve
       .add_option_function<std::string>(

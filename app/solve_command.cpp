@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <exception>
 #include <limits>
 #include <modsearch/baselines/refined.hpp>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/solvers/checkpoint.hpp>
 #include <modsearch/solvers/verification.hpp>
 #include <modsearch/study/solution_page.hpp>
@@ -55,6 +58,48 @@ Solution search(const ChosenSolver& chosen, const SolveArguments& arguments, con
                            .identity = fmt::format("{}, seed {}", arguments.solver, arguments.seed)});
 }
 
+// What follows a search, for a time of its own: long enough for what the search has found to be looked at again, and
+// not so long that a budget of seconds means nothing.
+class Aftermath {
+ public:
+  Aftermath(double seconds, std::stop_token stop)
+      : seconds_{stop.stop_requested() ? std::min(seconds, kAfterInterrupt) : seconds},
+        stop_{stop.stop_requested() ? std::stop_token{} : std::move(stop)} {}
+
+  /// What `work` gives, or nothing where the time was up in the middle of it.
+  template <typename Work>
+  [[nodiscard]] auto within_time(Work&& work) -> std::optional<decltype(work())> {
+    try {
+      const Interruptible scope{[this] { return stop_.stop_requested() || watch_.seconds() >= seconds_; }};
+      return work();
+    } catch (const Interrupted&) {
+      return std::nullopt;
+    }
+  }
+  [[nodiscard]] double seconds() const { return seconds_; }
+
+ private:
+  static constexpr double kAfterInterrupt = 1.0;  // somebody waits
+
+  struct Watch {
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    [[nodiscard]] double seconds() const {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+  };
+
+  double seconds_;
+  std::stop_token stop_;
+  Watch watch_;
+};
+
+// Seconds for what follows the search. With a budget of seconds: what the search has left of it and one more.
+double seconds_after(const SolveArguments& arguments, double spent) {
+  constexpr double kPatience = 60.0;
+  if (arguments.verify_seconds) return *arguments.verify_seconds;
+  return arguments.seconds ? std::max(0.0, *arguments.seconds - spent) + 1.0 : kPatience;
+}
+
 }  // namespace
 
 Status solve(const SolveArguments& arguments, const CommonArguments& common, std::stop_token stop) {
@@ -78,19 +123,25 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   const bool evaluated = meter.best().has_value();
   if (!evaluated) solution.evaluation.attempt.goal_error = std::numeric_limits<double>::infinity();  // not known
 
+  Aftermath aftermath{seconds_after(arguments, solution.spent.seconds), stop};
   std::optional<Incumbent> nearest = solution.nearest;  // perhaps screened only
   if (nearest) {
     const Witness witness{.postures = nearest->evaluation.attempt.postures};
-    nearest->evaluation = problem->evaluate(nearest->design, Fidelity::kFull, witness);
+    std::optional<Evaluation> whole =
+        aftermath.within_time([&] { return problem->evaluate(nearest->design, Fidelity::kFull, witness); });
+    if (whole) nearest->evaluation = *std::move(whole);
   }
 
+  const bool achieved = solution.evaluation.attempt.achieved;
   std::optional<Verification> verification;
-  if (solution.evaluation.attempt.achieved) {
+  if (achieved) {
     Claims claims{.score = solution.evaluation.score, .achieved = true};
     if (solution.evaluation.attempt.postures.rows() > 0) claims.postures = solution.evaluation.attempt.postures;
-    verification = verify(*problem, solution.design, claims);
-    solution.evaluation = with_path(std::move(solution.evaluation), *verification);
+    verification = aftermath.within_time([&] { return verify(*problem, solution.design, claims); });
+    if (verification) solution.evaluation = with_path(std::move(solution.evaluation), *verification);
   }
+  const std::string not_in_time =
+      fmt::format("the {:.3g} s for it were up; `modsearch verify` takes as long as it needs", aftermath.seconds());
 
   SolutionRecord record;
   record.problem = arguments.problem;
@@ -117,6 +168,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   }
   if (nearest) json["nearest"] = evaluation_json(*problem, nearest->design, nearest->evaluation);
   json["verified"] = verification && verification->level == "path";
+  if (achieved && !verification) json["notVerified"] = not_in_time;
   json["evaluations"] = solution.spent.evaluations;
   json["programEvaluations"] = solution.spent.program_evaluations;
   json["seconds"] = solution.spent.seconds;
@@ -143,6 +195,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
         nearest ? nearest_miss(*problem, nearest->design, nearest->evaluation).words() : std::string{};
     const std::string reason =
         verification ? why_not(*verification)
+        : achieved   ? "not verified: " + not_in_time
                      : fmt::format("{}; the search ended: {}{}", missed.empty() ? kNothingEvaluated : missed,
                                    name(solution.stop), solution.reason.empty() ? "" : ", " + solution.reason);
     // The file keeps to the rule of comparisons, standing then score; the page
@@ -202,6 +255,8 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
           verification->level == "path" ? ": a collision-free path from home through all goals"
                                         : fmt::format(" ({})", why_not(*verification)));
       write_out(home_text(*problem, verification->path));
+    } else if (achieved) {
+      say("verified     no: {}\n", not_in_time);
     }
     say("solver       {}, seed {}: {} evaluations, {:.3f} s\n", arguments.solver, arguments.seed,
         solution.spent.evaluations, solution.spent.seconds);

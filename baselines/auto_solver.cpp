@@ -139,9 +139,9 @@ class AutoSearch final : public Search {
     return steps_ >= (in_vain ? kFirstStepsInVain : kFirstSteps) && n_sequences_ > (in_vain ? kSome : kMany);
   }
 
-  // Lengths were optimised and nothing is proved of them yet.
+  // Lengths were optimised, or searches for postures gave up, and nothing is proved yet.
   [[nodiscard]] bool provable(const SearchEnd& end) const {
-    return end.stop == StopReason::kExhausted && problem_.library().max_parameters() > 0 && proof_.covers(problem_);
+    return end.stop == StopReason::kExhausted && proof_.covers(problem_);
   }
 
   // The end of the method in one line: what was done, how it ended, what is proved.
@@ -164,7 +164,8 @@ class AutoSearch final : public Search {
     if (!end.reason.empty()) did += ": " + end.reason;
     const double best = score_to_beat(meter);
     if (end.stop == StopReason::kOptimal) {
-      did += "; proved optimal";
+      const double gap = end.bound ? end.bound->score - best : 0.0;
+      did += gap > 0.0 ? fmt::format("; proved optimal to within {} points", rounded_up(gap, 2)) : "; proved optimal";
     } else if (end.stop == StopReason::kUnreachable) {
       did += "; proved unreachable";
     } else if (end.bound && std::isfinite(end.bound->score) && std::isfinite(best)) {

@@ -15,6 +15,7 @@ namespace modsearch {
 namespace {
 
 constexpr double kImpossible = -std::numeric_limits<double>::infinity();
+constexpr double kRounding = 1e-9;  // scores are sums of a few numbers up to some hundreds
 
 // The values of one parameter, and the designs of a type sequence by number: the last parameter counts fastest.
 class Grid {
@@ -91,6 +92,7 @@ class Elimination final : public Search {
       if (!evaluation) return false;
       if (!evaluation->attempt.achieved) {
         ++failed_[evaluation->attempt.why];
+        if (!is_settled(*evaluation)) open_bound_ = std::max(open_bound_, bound_);
         return true;
       }
       if (evaluation->score <= to_beat) {
@@ -116,6 +118,7 @@ class Elimination final : public Search {
   std::int64_t outscored_ = 0;
   std::int64_t achieved_ = 0;
   std::map<Failure, std::int64_t> failed_;  // in the order of the stages
+  double open_bound_ = kImpossible;         // greatest bound of the designs of which nothing is proved
 };
 
 std::vector<Tally> Elimination::tallies() const {
@@ -151,14 +154,16 @@ SearchEnd Elimination::end(const Meter& meter) const {
   }
   end.reason = removed;
   const bool discrete = problem_.library().max_parameters() == 0;
-  const bool failures = failed_.contains(Failure::kThrew) || failed_.contains(Failure::kNotANumber);
-  if (!finished || failures) return end;
+  if (!finished) return end;
   const double best = score_to_beat(meter);
   const bool none_evaluated = failed_.empty() && achieved_ == 0 && outscored_ == 0;
   if (best == kImpossible && none_evaluated) {
     end.reason = frontier_.impossible().empty() ? "no module may be attached" : frontier_.impossible();
     end.stop = StopReason::kUnreachable;
     end.bound = Bound{kImpossible, "reach"};
+  } else if (discrete && open_bound_ > best + kRounding) {
+    end.reason = fmt::format("{}; {}", removed, nothing_proved(meter));
+    if (std::isfinite(open_bound_)) end.bound = Bound{open_bound_, "modules, mass by reach"};
   } else if (discrete) {
     end.stop = best > kImpossible ? StopReason::kOptimal : StopReason::kUnreachable;
     end.bound = Bound{best, "every design that could score more was tested"};
@@ -177,6 +182,7 @@ void Elimination::save(Archive& archive) const {
   archive.put("elimination/types",
               std::span<const std::int64_t>{std::vector<std::int64_t>(types_.begin(), types_.end())});
   archive.put_number("elimination/bound", bound_);
+  archive.put_number("elimination/open bound", open_bound_);
 }
 
 void Elimination::restore(const Archive& archive) {
@@ -195,6 +201,9 @@ void Elimination::restore(const Archive& archive) {
     types_.push_back(static_cast<int>(k));
   }
   bound_ = archive.number("elimination/bound");
+  // A checkpoint of an earlier version does not tell which of the failures were proofs.
+  const double unknown = failed_.empty() ? kImpossible : std::numeric_limits<double>::infinity();
+  open_bound_ = archive.has("elimination/open bound") ? archive.number("elimination/open bound") : unknown;
 }
 
 }  // namespace

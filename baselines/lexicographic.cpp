@@ -61,11 +61,19 @@ double score_to_beat(const Meter& meter) {
   return meter.best() && meter.best()->evaluation.attempt.achieved ? meter.best()->evaluation.score : -kInfinity;
 }
 
-std::string rounded_up(double bound) {
-  constexpr int kDigits = 6;
+std::string rounded_up(double bound, int digits) {
   if (!std::isfinite(bound) || bound == 0.0) return fmt::format("{}", bound);
-  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(bound))) + 1 - kDigits);
-  return fmt::format("{:.{}g}", std::ceil(bound / unit) * unit, kDigits);
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(bound))) + 1 - digits);
+  return fmt::format("{:.{}g}", std::ceil(bound / unit) * unit, digits);
+}
+
+bool is_settled(const Evaluation& evaluation) {
+  return evaluation.attempt.achieved || !evaluation.attempt.inconclusive;
+}
+
+std::string nothing_proved(const Meter& meter) {
+  return fmt::format("the search for postures or a motion gave up in {} of {} evaluations, which proves nothing",
+                     meter.progress().inconclusive, meter.progress().evaluations);
 }
 
 std::optional<SearchEnd> pointless(const Meter& meter, const DesignProblem& problem) {

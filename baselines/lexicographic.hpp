@@ -40,8 +40,13 @@ struct Rank {
 /// The best achieved score so far; -inf before the first.
 [[nodiscard]] double score_to_beat(const Meter& meter);
 
-/// An upper bound in six digits, for people: never less than the bound itself.
-[[nodiscard]] std::string rounded_up(double bound);
+/// An upper bound in so many digits, for people: never less than the bound itself.
+[[nodiscard]] std::string rounded_up(double bound, int digits = 6);
+
+/// Nothing better is left of a design that was evaluated so: it is achieved, or proved not to be.
+[[nodiscard]] bool is_settled(const Evaluation& evaluation);
+/// Why evaluations prove nothing, in words: how many ended with searches that gave up.
+[[nodiscard]] std::string nothing_proved(const Meter& meter);
 
 /// How a search ends that the problem's bounds make pointless: nothing can be attached, no design is achieved, or none
 /// can beat the best. Nothing: there is a point.

@@ -50,7 +50,7 @@ bool SequenceSearch::settle(const SequenceFrontier::Sequence& sequence, Rng rng,
   if (parameter_box(problem_.library(), sequence.types).lower.size() == 0) {
     const std::optional<Evaluation> evaluation =
         evaluate_staged(meter, problem_, make_design(problem_.library(), sequence.types, Eigen::VectorXd{}));
-    return evaluation && evaluation->attempt.why != Failure::kThrew && evaluation->attempt.why != Failure::kNotANumber;
+    return evaluation && is_settled(*evaluation);
   }
   const SequenceOutcome outcome = optimise_sequence(problem_, sequence.types, sequence.bound, options_, meter, rng);
   if (!outcome.failure.empty() && failed_++ == 0) first_failure_ = outcome.failure;
@@ -73,6 +73,7 @@ SearchEnd SequenceSearch::end(const Meter& meter) const {
   const bool cut_off = !begun_ || !frontier_.exhausted() || (meter.stopped() && settled_ < tried_);
   if (cut_off) return {StopReason::kExhausted, "", bound(meter)};  // the meter says why
   const double best = score_to_beat(meter);
+  const bool discrete = problem_.library().max_parameters() == 0;
   if (best > kImpossible) {
     const bool proved = open_bound_ <= best + kRounding;
     // Starts prove nothing: whatever they found, a sequence may hold more.
@@ -80,8 +81,10 @@ SearchEnd SequenceSearch::end(const Meter& meter) const {
         proved ? "no other can beat the best by its bound"
                : fmt::format("none beyond these can beat the best by its bound, and these may score up to {}",
                              rounded_up(open_bound_));
-    const std::string what = fmt::format("{} {}; {}{}", plural(tried_, "type sequence"),
-                                         settled_ == tried_ ? "evaluated" : "optimised", others, failures());
+    const bool evaluated = discrete || settled_ == tried_;
+    const std::string what =
+        fmt::format("{} {}; {}{}{}", plural(tried_, "type sequence"), evaluated ? "evaluated" : "optimised", others,
+                    discrete && !proved ? ": " + nothing_proved(meter) : "", failures());
     return {proved ? StopReason::kOptimal : StopReason::kExhausted, what, bound(meter)};
   }
   if (tried_ == 0) {
@@ -93,6 +96,12 @@ SearchEnd SequenceSearch::end(const Meter& meter) const {
         StopReason::kUnreachable,
         fmt::format("{} could reach by their bounds; all were evaluated, none is achieved", plural(tried_, "design")),
         Bound{kImpossible, "every design was evaluated"}};
+  }
+  if (discrete) {
+    return {StopReason::kExhausted,
+            fmt::format("{} could reach by their bounds; none was found to be achieved: {}", plural(tried_, "design"),
+                        nothing_proved(meter)),
+            bound(meter)};
   }
   return {StopReason::kExhausted,
           fmt::format("no achieved design was found in {} from {} each{}", plural(tried_, "type sequence"),

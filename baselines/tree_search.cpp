@@ -215,6 +215,9 @@ class TreeSearching final : public Search {
     if (meter.progress().failed > 0) {
       return {StopReason::kExhausted, "nothing is left that could beat the best, but evaluations failed"};
     }
+    if (meter.progress().inconclusive > 0) {
+      return {StopReason::kExhausted, "every design that could beat the best was evaluated; " + nothing_proved(meter)};
+    }
     if (best == -kInfinity) {
       return {StopReason::kUnreachable, "every design was evaluated or ruled out by its bound, none is achieved",
               Bound{-kInfinity, "every design was evaluated or ruled out"}};

@@ -60,12 +60,19 @@ void compare_claim(const Value& claim, const Problem& problem, const Incumbent& 
   }
   if (!(incumbent.score.lower() <= proof.upper)) throw Rejected("the incumbent scores more than the claimed bound");
   const double weight = problem.scoring.mass_weight * incumbent.mass.middle();
-  const double unit = problem.scoring.mass_weight > 0.0 ? weight : std::max(1.0, std::abs(*proof.lower));
-  if (!(unit > 0.0)) throw Rejected("the gap is a share of nothing");
+  const double unit = weight > 0.0 ? weight : std::max(1.0, std::abs(*proof.lower));
   const double gap = (proof.upper - *proof.lower) / unit;
   if (!(std::abs(*proof.gap - gap) <= kRounding * std::max(1.0, std::abs(gap)))) {
     throw Rejected("the gap is " + in_digits(gap, 6) + ", not what is claimed");
   }
+}
+
+/// A bound in twelve digits, never less than it is.
+std::string rounded_up(double bound) {
+  constexpr int kDigits = 12;
+  if (bound == 0.0 || !std::isfinite(bound)) return in_digits(bound, kDigits);
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(bound))) + 1 - kDigits);
+  return in_digits(std::ceil(bound / unit) * unit, kDigits);
 }
 
 /// Everything but reading: calls arithmetic that rounds up.
@@ -119,16 +126,33 @@ Proof check_certificate(const std::string& file) {
   }
 }
 
+std::string printable(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code >= 0x20 && code != 0x7f) {
+      result += c;
+      continue;
+    }
+    constexpr const char* kDigits = "0123456789abcdef";
+    result += "\\x";
+    result += kDigits[code / 16];
+    result += kDigits[code % 16];
+  }
+  return result;
+}
+
 std::string in_words(const Proof& proof) {
   const bool obstacles = proof.level != "none";
-  std::string text = "accepted: " + proof.problem + ": no design with at most " + std::to_string(proof.max_modules) +
-                     (proof.max_modules == 1 ? " module" : " modules") + " (the base counted) ";
+  std::string text = "accepted: " + printable(proof.problem) + ": no design with at most " +
+                     std::to_string(proof.max_modules) + (proof.max_modules == 1 ? " module" : " modules") +
+                     " (the base counted) ";
   const std::string achieves =
       std::string{"reaches every goal"} + (obstacles ? " without touching an obstacle there" : "");
   if (proof.unreachable) {
     text += achieves + ".\n";
   } else {
-    text += "that " + achieves + " scores above " + in_digits(proof.upper, 12) + ".\n";
+    text += "that " + achieves + " scores above " + rounded_up(proof.upper) + ".\n";
   }
   if (proof.lower) {
     text += "One that does so scores " + in_digits(*proof.lower, 12) + ": the gap is " +

@@ -24,4 +24,7 @@ struct Proof {
 /// The proof in sentences: what is proved, and what is no part of it.
 [[nodiscard]] std::string in_words(const Proof& proof);
 
+/// `text` on one line, control characters as \xNN: no name in a file may end a line and begin a verdict of its own.
+[[nodiscard]] std::string printable(const std::string& text);
+
 }  // namespace modsearch_check

@@ -193,10 +193,36 @@ Pose Value::pose() const {
   return pose;
 }
 
+namespace {
+
+/// An entry of a rotation as it is meant: within 1e-12 of -1, 0 or 1 it is that number.
+double meant(double entry) {
+  const double whole = std::round(entry);
+  return std::abs(entry - whole) <= 1e-12 ? whole + 0.0 : entry;
+}
+
+/// Where the powers of E, from the first on, can be anything but 0.
+std::array<std::array<bool, 3>, 3> support_of_powers(const Matrix& E) {
+  std::array<std::array<bool, 3>, 3> support{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) support[i][k] = !E[i][k].is_zero();
+  }
+  for (std::size_t via = 0; via < 3; ++via) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) support[i][k] = support[i][k] || (support[i][via] && support[via][k]);
+    }
+  }
+  return support;
+}
+
+}  // namespace
+
 Matrix nearest_rotation(const std::array<Numbers, 3>& given, const Value& value) {
   // With R' R = 1 + E, the nearest rotation is R (1 + E)^(-1/2) = R (1 - E/2 + 3/8 E^2 - ..). The terms left out are
   // below |E|^3 (their coefficients are below 5/16 and |E| is small) in every entry.
-  const Matrix R = {vector_of(given[0]), vector_of(given[1]), vector_of(given[2])};
+  std::array<Numbers, 3> entries = given;
+  for (Numbers& row : entries) std::transform(row.begin(), row.end(), row.begin(), meant);
+  const Matrix R = {vector_of(entries[0]), vector_of(entries[1]), vector_of(entries[2])};
   Matrix E = transposed(R) * R;
   double largest = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -208,10 +234,12 @@ Matrix nearest_rotation(const std::array<Numbers, 3>& given, const Value& value)
   const double size = 3.0 * largest;  // of E as a linear map
   const double left_out = size * size * size;
   const Matrix E2 = E * E;
+  const auto support = support_of_powers(E);
   Matrix root;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
-      root[i][k] = Interval{i == k ? 1.0 : 0.0} - E[i][k] * 0.5 + E2[i][k] * 0.375 + Interval{-left_out, left_out};
+      root[i][k] = Interval{i == k ? 1.0 : 0.0} - E[i][k] * 0.5 + E2[i][k] * 0.375;
+      if (support[i][k]) root[i][k] += Interval{-left_out, left_out};
     }
   }
   return R * root;

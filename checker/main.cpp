@@ -30,7 +30,7 @@ int report(const std::string& verdict, const std::string& reason, bool as_json, 
     std::cout << Json{{"verdict", verdict}, {"reason", reason}}.dump(2, ' ', true, Json::error_handler_t::replace)
               << '\n';
   } else {
-    (status == 1 ? std::cout : std::cerr) << verdict << ": " << reason << '\n';
+    (status == 1 ? std::cout : std::cerr) << verdict << ": " << modsearch_check::printable(reason) << '\n';
   }
   return status;
 }

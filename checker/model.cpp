@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <checker/model.hpp>
 #include <optional>
 
@@ -193,6 +194,31 @@ void merge_parameters(Model& model) {
   model.mass = mass;
 }
 
+/// How long a vector can be at most, whatever the parameters.
+double greatest_norm(const AffineVector& vector, const Model& model) {
+  Interval most = norm(vector.offset);
+  for (std::size_t i = 0; i < vector.columns.size(); ++i) {
+    const Parameter& p = model.parameters[i];
+    most += norm(vector.columns[i]) * Interval{std::max(std::abs(p.lower), std::abs(p.upper)) + kSlack};
+  }
+  return most.upper();
+}
+
+/// Makes `before` longer by `next`, where that begins at its end (`joined`) along its axis, but for rounding. If the
+/// two are off by e, a ball that sinks deeper than a few e into the one long cylinder sinks into one of the two.
+bool continued(Run& before, const Run& next, const Vector& axis, const AffineVector& joined, const AffineVector& end,
+               const Model& model) {
+  constexpr double kRounding = 1e-12;
+  const double turned = norm(before.axis - axis).upper();
+  const double away = greatest_norm(before.end + Interval{-1.0} * joined, model);
+  if (!(turned <= kRounding && away <= kRounding)) return false;
+  const double length = greatest_norm(next.end + Interval{-1.0} * next.start, model);
+  before.end = end;
+  before.slack =
+      (Interval{before.slack} + 4.0 * (Interval{away} + Interval{turned} * (length + 2.0 * next.radius))).upper();
+  return true;
+}
+
 /// Cylinders of a frame, one after the other where each begins on the axis and at the end of the one before.
 std::vector<Run> find_runs(const Model& model) {
   std::vector<Run> runs;  // affine in the parameters first
@@ -208,16 +234,8 @@ std::vector<Run> find_runs(const Model& model) {
     for (const Interval& c : shape.size[0].columns) run.usable = run.usable && c.is_zero();  // constant radius
     const auto continues = [&](Run& before) {
       if (before.frame != run.frame || !before.usable || !run.usable || before.radius != run.radius) return false;
-      if (!is_exact(before.axis) || !is_exact(run.axis) || !is_exact(before.end)) return false;
-      if (same(before.axis, run.axis) && same(before.end, run.start)) {
-        before.end = run.end;
-        return true;
-      }
-      if (same(before.axis, -run.axis) && same(before.end, run.end)) {
-        before.end = run.start;
-        return true;
-      }
-      return false;
+      return continued(before, run, run.axis, run.start, run.end, model) ||
+             continued(before, run, -run.axis, run.end, run.start, model);
     };
     if (std::none_of(runs.begin(), runs.end(), continues)) runs.push_back(std::move(run));
   }

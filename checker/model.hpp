@@ -20,6 +20,7 @@ struct Run {
   AffineVector end;
   double radius = 0.0;
   bool usable = false;
+  double slack = 0.0;  // of cylinders that continue one another up to rounding: rows count on so much less radius [m]
 };
 
 struct PlacedBodyShape {

@@ -95,7 +95,8 @@ Inequality inequality(const Problem& problem, const Model& model, const Box& box
     distance += stretch[i] * std::max(box.upper[i] - z[i], z[i] - box.lower[i]);
   }
 
-  const Interval keep = Interval{-kSlack};  // how far a body that counts as free may be inside
+  // How far a body that counts as free may be inside, and one of several pieces fall short of being one.
+  const Interval keep = Interval{-kSlack} - run.slack;
   if (row.ball) {
     // |x - b|^2 >= R^2 minus |x - x_c|^2 <= D^2, which is linear: 2 (x_c - b) . x >= R^2 - D^2 + |x_c|^2 - |b|^2.
     check_ball_inside(shape, row);
@@ -103,7 +104,7 @@ Inequality inequality(const Problem& problem, const Model& model, const Box& box
     const Vector x_c = vector_of(near);
     const Vector b = vector_of(row.centre);
     const Interval R = Interval{row.radius} + r + keep;
-    if (!(R.lower() >= 0.0)) throw Rejected("a row is about a ball of no size");
+    if (!(R.lower() >= 0.0 && row.radius >= run.slack)) throw Rejected("a row is about a ball of no size");
     const Interval D = distance + norm(x - x_c);
     result.normal = Interval{2.0} * (x_c - b);
     result.beta = (square(R) - square(D) + dot(x_c, x_c) - dot(b, b)).lower();

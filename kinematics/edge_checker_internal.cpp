@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <modsearch/kinematics/edge_checker_internal.hpp>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/kinematics/self_pairs_internal.hpp>
 
 #include "fcl_backend_internal.hpp"
@@ -101,6 +102,7 @@ void EdgeChecker::measure_edge(const double* a, const double* b) {
 
 // The part of the edge, of length 1, on either side of the state that is certainly free; kCollision: none is.
 double EdgeChecker::free_part(const double* q) {
+  interruption_point();
   ++work_.planner_states;
   ++work_.forward;
   arm_.forward(q, posture_);

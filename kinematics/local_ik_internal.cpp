@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/kinematics/local_ik_internal.hpp>
 #include <modsearch/kinematics/low_discrepancy.hpp>
 #include <numbers>
@@ -222,6 +223,7 @@ bool LocalIk::pressed(const Eigen::VectorXd& q, int j) const {
 }
 
 Verdict LocalIk::refine(Eigen::VectorXd q) {
+  interruption_point();
   constexpr double kZero = 1e-28;          // of the cost: nothing left to gain
   constexpr double kShortestStep = 1e-10;  // [rad] or [m]
   constexpr double kNothingToGain = 1e-16;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <modsearch/kinematics/edge_checker_internal.hpp>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/kinematics/joint_box_internal.hpp>
 #include <modsearch/kinematics/path_free.hpp>
 #include <modsearch/kinematics/path_planning.hpp>
@@ -104,6 +105,7 @@ std::optional<bool> walk(const char* who, const Arm& arm, const Path& path, doub
     const double* b = waypoints[i + 1].data();
     const std::int64_t n = parts_of(motion.travel(a, b), resolution);
     for (std::int64_t k = 1; k <= n; ++k) {
+      interruption_point();
       interpolate(a, b, k, n, arm.n_joints(), q.data());
       arm.forward(q.data(), posture);
       if (!look(posture)) return within;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <modsearch/kinematics/fixed_stream_internal.hpp>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/kinematics/rrt_connect_internal.hpp>
 #include <mutex>
 
@@ -97,20 +98,45 @@ class FixedSampler final : public ob::StateSampler {
   std::int64_t& drawn_;
 };
 
-class Validity final : public ob::StateValidityChecker {
+// Asks the checker on behalf of the planner, through which no exception may pass: it would lose its states. Once the
+// checker has been interrupted, nothing is free any more.
+class Questions {
  public:
-  Validity(const ob::SpaceInformationPtr& si, MotionChecker& checker) : StateValidityChecker(si), checker_{checker} {}
-  bool isValid(const ob::State* state) const override { return checker_.state_free(values(state)); }
+  explicit Questions(MotionChecker& checker) : checker_{checker} {}
+
+  template <typename Ask>
+  [[nodiscard]] bool is_free(Ask&& ask) {
+    if (interrupted_) return false;
+    try {
+      return ask(checker_);
+    } catch (const Interrupted&) {
+      interrupted_ = true;
+      return false;
+    }
+  }
+  [[nodiscard]] bool interrupted() const { return interrupted_; }
 
  private:
   MotionChecker& checker_;
+  bool interrupted_ = false;
+};
+
+class Validity final : public ob::StateValidityChecker {
+ public:
+  Validity(const ob::SpaceInformationPtr& si, Questions& questions) : StateValidityChecker(si), questions_{questions} {}
+  bool isValid(const ob::State* state) const override {
+    return questions_.is_free([&](MotionChecker& checker) { return checker.state_free(values(state)); });
+  }
+
+ private:
+  Questions& questions_;
 };
 
 class Motions final : public ob::MotionValidator {
  public:
-  Motions(const ob::SpaceInformationPtr& si, MotionChecker& checker) : MotionValidator(si), checker_{checker} {}
+  Motions(const ob::SpaceInformationPtr& si, Questions& questions) : MotionValidator(si), questions_{questions} {}
   bool checkMotion(const ob::State* a, const ob::State* b) const override {
-    return checker_.edge_free(values(a), values(b));
+    return questions_.is_free([&](MotionChecker& checker) { return checker.edge_free(values(a), values(b)); });
   }
   bool checkMotion(const ob::State* a, const ob::State* b, std::pair<ob::State*, double>& last) const override {
     const bool free = checkMotion(a, b);
@@ -120,7 +146,7 @@ class Motions final : public ob::MotionValidator {
   }
 
  private:
-  MotionChecker& checker_;
+  Questions& questions_;
 };
 
 // OMPL reports every plan on the console, through one handler for the whole process.
@@ -141,8 +167,9 @@ RrtConnectResult rrt_connect(const Eigen::VectorXd& q_start, const Eigen::Vector
     return std::make_shared<FixedSampler>(*space, stream, result.iterations);
   });
   const auto si = std::make_shared<ob::SpaceInformation>(space);
-  si->setStateValidityChecker(std::make_shared<Validity>(si, checker));
-  si->setMotionValidator(std::make_shared<Motions>(si, checker));
+  Questions questions{checker};
+  si->setStateValidityChecker(std::make_shared<Validity>(si, questions));
+  si->setMotionValidator(std::make_shared<Motions>(si, questions));
   si->setup();
 
   ob::ScopedState<ob::RealVectorStateSpace> start(si);
@@ -157,8 +184,11 @@ RrtConnectResult rrt_connect(const Eigen::VectorXd& q_start, const Eigen::Vector
   planner.setNearestNeighbors<ompl::NearestNeighborsLinear>();
   planner.setProblemDefinition(definition);
   planner.setup();
-  const ob::PlannerTerminationCondition enough([&] { return result.iterations >= max_iterations; });
-  if (planner.solve(enough) != ob::PlannerStatus::EXACT_SOLUTION) return result;
+  const ob::PlannerTerminationCondition enough(
+      [&] { return result.iterations >= max_iterations || questions.interrupted(); });
+  const ob::PlannerStatus status = planner.solve(enough);
+  if (questions.interrupted()) throw Interrupted{};
+  if (status != ob::PlannerStatus::EXACT_SOLUTION) return result;
 
   const auto path = std::static_pointer_cast<og::PathGeometric>(definition->getSolutionPath());
   for (const ob::State* state : path->getStates()) {

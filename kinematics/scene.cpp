@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/kinematics/scene.hpp>
 #include <modsearch/kinematics/self_pairs_internal.hpp>
 #include <stdexcept>
@@ -136,6 +137,7 @@ const PlacedShape& Scene::shape_of(const Placed& placed) const {
 }
 
 double Scene::clearance(const Arm& arm, const Posture& posture, Work& work, double ceiling, double floor) const {
+  interruption_point();
   // The pair whose capsules are closest goes first: its distance spares most of the others the exact test.
   double least_gap = ceiling;
   const ArmGeometry* favourite_geometry = nullptr;
@@ -171,6 +173,7 @@ double Scene::clearance(const Arm& arm, const Posture& posture, Work& work, doub
 }
 
 bool Scene::collides(const Arm& arm, const Posture& posture, Work& work) const {
+  interruption_point();
   for (const ArmGeometry& geometry : arm.geometries()) {
     const BoundingCapsule capsule = capsule_of(geometry, posture);
     for (const Placed& placed : placed_) {
@@ -184,6 +187,7 @@ bool Scene::collides(const Arm& arm, const Posture& posture, Work& work) const {
 }
 
 std::vector<Contact> Scene::contacts(const Arm& arm, const Posture& posture, double margin, Work& work) const {
+  interruption_point();
   std::vector<Contact> result;
   for (std::size_t g = 0; g < arm.geometries().size(); ++g) {
     const ArmGeometry& geometry = arm.geometries()[g];

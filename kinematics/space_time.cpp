@@ -4,6 +4,7 @@
 #include <cmath>
 #include <modsearch/kinematics/edge_checker_internal.hpp>
 #include <modsearch/kinematics/fixed_stream_internal.hpp>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/kinematics/joint_box_internal.hpp>
 #include <modsearch/kinematics/pose_following.hpp>
 #include <modsearch/kinematics/space_time.hpp>
@@ -85,6 +86,7 @@ class TimedChecker {
     const std::int64_t n = parts_of(way, resolution_);
     Eigen::VectorXd q(a.q.size());
     for (std::int64_t k = 1; k <= n; ++k) {
+      interruption_point();
       interpolate(a.q.data(), b.q.data(), k, n, arm_.n_joints(), q.data());
       arm_.forward(q.data(), posture_);
       ++work_.forward;
@@ -168,6 +170,7 @@ class TimedSearch {
     FixedStream numbers{options_.plan.stream};
     const Eigen::Index n = start.q.size();
     while (iterations_ < options_.plan.max_iterations) {
+      interruption_point();
       ++iterations_;
       Moment aim{q_goal_, start.t + numbers.next() * options_.horizon};
       const bool at_goal = numbers.next() < 0.1;

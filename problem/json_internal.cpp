@@ -223,14 +223,20 @@ Eigen::Isometry3d JsonCursor::pose() const {
   return X;
 }
 
-std::optional<Eigen::Matrix3d> nearest_rotation(const Eigen::Matrix3d& R) {
+std::optional<Eigen::Matrix3d> nearest_rotation(const Eigen::Matrix3d& given) {
   constexpr double kAccepted = 1e-6;
-  if (!R.allFinite()) return std::nullopt;
+  // cos(pi / 2) is 6e-17 in a file, and an axis that is turned by that is one that is not turned.
+  const auto whole = [](double entry) {
+    constexpr double kRounding = 1e-12;
+    return std::abs(entry - std::round(entry)) <= kRounding ? std::round(entry) + 0.0 : entry;
+  };
+  if (!given.allFinite()) return std::nullopt;
+  const Eigen::Matrix3d R = given.unaryExpr(whole);
   const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kAccepted) || R.determinant() < 0.0) return std::nullopt;
   if (error <= 4.0 * std::numeric_limits<double>::epsilon()) return R;  // exact ones stay exact
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd{R, Eigen::ComputeFullU | Eigen::ComputeFullV};
-  return svd.matrixU() * svd.matrixV().transpose();
+  return (svd.matrixU() * svd.matrixV().transpose()).unaryExpr(whole).eval();
 }
 
 }  // namespace modsearch::detail

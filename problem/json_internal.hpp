@@ -122,7 +122,8 @@ inline constexpr int kDeepestNesting = 64;
 /// Reads and parses `file`, which `referrer` refers to where that is not empty.
 [[nodiscard]] JsonDocument load_json(const std::filesystem::path& file, const std::string& referrer = {});
 
-/// Nearest rotation to `R` if every entry of R^T R is within 1e-6 of the identity's and R is no reflection.
+/// Nearest rotation to `R` if every entry of R^T R is within 1e-6 of the identity's and R is no reflection. Entries within
+/// 1e-12 of -1, 0 or 1 are these: that is what a file says that was written with rounding errors (docs/certificates.md).
 [[nodiscard]] std::optional<Eigen::Matrix3d> nearest_rotation(const Eigen::Matrix3d& R);
 
 /// A short form of a value for messages.

@@ -30,6 +30,7 @@ void look_finer(const Arm& arm, const Scene& scene, const PlanOptions& planner, 
   attempt.achieved = false;
   attempt.collides = true;
   attempt.why = Failure::kNoPath;
+  attempt.inconclusive = true;
 }
 
 // Why no arm of `n` modules can be completed.
@@ -262,6 +263,7 @@ Evaluation RobotProblem::do_evaluate_with(const Design& design, Fidelity fidelit
   if (!library().complete(types)) {
     attempt.achieved = false;
     attempt.why = Failure::kIncomplete;
+    attempt.inconclusive = false;
   }
 
   double cost = library().base().cost;

@@ -55,6 +55,15 @@ void check_steps(const GoalTaskSpec& spec) {
   }
 }
 
+// Whether a verdict against the arm is more than the end of a search. One without joints has no posture to search for,
+// and a motion from a start that is asked for cannot begin where that touches something. Else nothing is settled: there
+// may be other postures where these touch or are too heavy, and a planner that finds nothing proves nothing.
+bool is_settled(const Task& task, const Arm& arm, const Scene& scene, bool sure_to_miss, Failure why) {
+  if (sure_to_miss) return true;
+  if (arm.n_joints() == 0) return !scene.any_moves();
+  return why == Failure::kHomeInCollision && task.home().size() > 0;
+}
+
 }  // namespace
 
 Eigen::VectorXd Task::features() const {
@@ -84,11 +93,13 @@ Attempt Task::attempt(const Arm& arm, const Scene& scene, const AttemptOptions& 
   if (options.level == Level::kPath && trial.attempt().reached && holds && collision == Failure::kNone) {
     collision = detail::plan_motion(*this, arm, scene, options, trial);
   }
+  const bool sure_to_miss = trial.sure_to_miss();
   Attempt attempt = std::move(trial).result();
   attempt.collides = collision != Failure::kNone;
   if (attempt.why == Failure::kNone && !holds) attempt.why = Failure::kTorque;
   if (attempt.why == Failure::kNone) attempt.why = collision;
   attempt.achieved = attempt.why == Failure::kNone;
+  attempt.inconclusive = !attempt.achieved && !is_settled(*this, arm, scene, sure_to_miss, attempt.why);
   return attempt;
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <modsearch/problem/reach_bound.hpp>
 #include <modsearch/problem/trial_internal.hpp>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -82,6 +83,36 @@ IkSolution Trial::begun(const TaskStep& step) {
   return ik;
 }
 
+// A joint that may turn farther than once around can run into a limit on the way, and would not if it had begun a turn
+// back. Inverse kinematics gives one posture of those that are whole turns apart.
+Following Trial::followed(const Trajectory& trajectory, const Eigen::VectorXd& q) {
+  const auto from = [&](const Eigen::VectorXd& start) {
+    Following way = follow_poses(arm_, trajectory.poses, trajectory.times, start, options_.follow);
+    count(way.iterations, way.forward);
+    return way;
+  };
+  Following best = from(q);
+  for (bool better = best.n_followed > 0; better && best.end != FollowEnd::kDone;) {
+    better = false;
+    const Eigen::VectorXd start = best.postures.row(0);
+    const Eigen::VectorXd end = best.postures.row(static_cast<Eigen::Index>(best.n_followed) - 1);
+    for (int j = 0; j < arm_.n_joints() && !better; ++j) {
+      const Joint& joint = arm_.chain().joints()[static_cast<std::size_t>(j)];
+      if (!joint.rotates()) continue;
+      const double turn = end[j] > joint.upper - options_.follow.largest_step   ? -2.0 * std::numbers::pi
+                          : end[j] < joint.lower + options_.follow.largest_step ? 2.0 * std::numbers::pi
+                                                                                : 0.0;
+      if (turn == 0.0 || start[j] + turn < joint.lower || start[j] + turn > joint.upper) continue;
+      Eigen::VectorXd other = start;
+      other[j] += turn;
+      Following way = from(other);
+      better = way.n_followed > best.n_followed;
+      if (better) best = std::move(way);
+    }
+  }
+  return best;
+}
+
 void Trial::follow(const TaskStep& step) {
   const std::vector<PoseRegion>& poses = step.trajectory->poses;
   const auto n = static_cast<double>(poses.size());
@@ -93,8 +124,7 @@ void Trial::follow(const TaskStep& step) {
     const std::size_t n_starts = std::min<std::size_t>(ik.postures.size(), kMostStarts);
     for (std::size_t i = 0; i < n_starts; ++i) {
       const std::size_t pick = i * ik.postures.size() / n_starts;
-      Following way = follow_poses(arm_, poses, step.trajectory->times, ik.postures[pick], options_.follow);
-      count(way.iterations, way.forward);
+      Following way = followed(*step.trajectory, ik.postures[pick]);
       if (best && way.n_followed < best->n_followed) continue;
       Candidate worst = worst_along(way, step);
       if (best && way.n_followed == best->n_followed && !worst.better_than(worst_of_best)) continue;
@@ -183,6 +213,7 @@ void Trial::miss(const Goal& goal, const IkSolution& ik) {
   } else if (at_a_limit(arm_.chain(), ik.postures.front())) {
     why = Failure::kLimit;
   }
+  sure_to_miss_ = sure_to_miss_ || ik.exact || why == Failure::kProvedInfeasible;
   fail(why, ik.position_error / std::max((goal.position() - options_.p_WB).norm(), 1e-9));
 }
 

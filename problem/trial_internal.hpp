@@ -22,6 +22,8 @@ class Trial {
   [[nodiscard]] Attempt& attempt() { return attempt_; }
   /// What is overlapped at the postures, the first thing.
   [[nodiscard]] Failure collision() const { return collision_; }
+  /// The arm misses a goal, whatever the starts of a search: by its reach, or by exact inverse kinematics.
+  [[nodiscard]] bool sure_to_miss() const { return sure_to_miss_; }
 
   /// How many postures are free at goal `goal`, the one that the attempt began with among them. Of a goal on a
   /// trajectory: 1.
@@ -37,6 +39,8 @@ class Trial {
 
   [[nodiscard]] Eigen::VectorXd witnessed(int goal) const;
   [[nodiscard]] IkSolution begun(const TaskStep& step);
+  // From `q`, or from the same posture whole turns away, whichever gets farthest.
+  [[nodiscard]] Following followed(const Trajectory& trajectory, const Eigen::VectorXd& q);
   [[nodiscard]] const std::vector<Candidate>& choices(int goal);
   void count(std::int64_t iterations, std::int64_t forward);
   void fail(Failure why, double relative_error);
@@ -53,6 +57,7 @@ class Trial {
   PostureJudge judge_;
   Attempt attempt_;
   Failure collision_ = Failure::kNone;
+  bool sure_to_miss_ = false;
   int errors_ = 0;                               // goals and trajectories: what the relative error is the mean over
   std::vector<IkSolution> found_;                // [n_goals]; of goals on trajectories without postures
   std::vector<std::vector<Candidate>> choices_;  // [n_goals]: the first one, and the others once they were asked for

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/solvers/meter.hpp>
 #include <modsearch/solvers/search.hpp>
 #include <stdexcept>
@@ -18,6 +19,7 @@ Evaluation evaluated(const DesignProblem& problem, const Design& design, Fidelit
     evaluation.score = -std::numeric_limits<double>::infinity();
     evaluation.attempt.achieved = false;
     evaluation.attempt.why = why;
+    evaluation.attempt.inconclusive = true;
     what = words;
   };
   try {
@@ -74,10 +76,18 @@ std::optional<Evaluation> Meter::evaluate(const DesignProblem& problem, const De
   if (stopped()) return std::nullopt;
   ++progress_.evaluations;  // before the call: an evaluation that throws was paid for too
   std::optional<std::string> failure;
-  const Evaluation evaluation = evaluated(problem, design, fidelity, witness, failure);
+  Evaluation evaluation;
+  try {
+    const Interruptible scope{[this] { return cut_off(); }};
+    evaluation = evaluated(problem, design, fidelity, witness, failure);
+  } catch (const Interrupted&) {
+    --progress_.evaluations;
+    return std::nullopt;
+  }
   if (failure && progress_.failed++ == 0) first_failure_ = *failure;
   const Failure why = evaluation.attempt.achieved ? Failure::kNone : evaluation.attempt.why;
   ++progress_.outcomes[static_cast<std::size_t>(why)];
+  if (!evaluation.attempt.achieved && evaluation.attempt.inconclusive) ++progress_.inconclusive;
   progress_.work += evaluation.attempt.work;
   if (fidelity == Fidelity::kFull && (!best_ || evaluation.better_than(best_->evaluation))) {
     best_ = Incumbent{design, evaluation};
@@ -133,9 +143,9 @@ Progress Meter::progress() const {
 
 void Meter::save(Archive& archive) const {
   const Progress p = progress();
-  archive.put("meter/counts",
-              std::array<std::int64_t, 7>{p.evaluations, p.failed, p.program_evaluations, p.work.forward,
-                                          p.work.ik_iterations, p.work.distances, p.work.planner_states});
+  archive.put("meter/counts", std::array<std::int64_t, 8>{p.evaluations, p.failed, p.program_evaluations,
+                                                          p.work.forward, p.work.ik_iterations, p.work.distances,
+                                                          p.work.planner_states, p.inconclusive});
   archive.put("meter/outcomes", p.outcomes);
   archive.put_number("meter/seconds", p.seconds);
   archive.put_text("meter/first failure", first_failure_);
@@ -153,10 +163,12 @@ void Meter::save(Archive& archive) const {
 
 void Meter::restore(const Archive& archive, const DesignProblem& problem) {
   const std::vector<std::int64_t> counts = archive.integers("meter/counts");
-  if (counts.size() != 7) archive.fail("meter/counts", "does not hold 7 numbers");
+  // A checkpoint of an earlier version does not tell: then any of them may have been.
+  if (counts.size() != 7 && counts.size() != 8) archive.fail("meter/counts", "does not hold 8 numbers");
   progress_ = {
       .evaluations = counts[0],
       .failed = counts[1],
+      .inconclusive = counts.size() == 8 ? counts[7] : counts[0],
       .program_evaluations = counts[2],
       .work = {.forward = counts[3], .ik_iterations = counts[4], .distances = counts[5], .planner_states = counts[6]}};
   const std::vector<std::int64_t> outcomes = archive.integers("meter/outcomes");
@@ -186,6 +198,10 @@ void Meter::restore(const Archive& archive, const DesignProblem& problem) {
   Witness witness;
   if (archive.has("meter/best/postures/rows")) witness.postures = restored_matrix(archive, "meter/best/postures");
   best_ = Incumbent{best.front(), evaluated(problem, best.front(), Fidelity::kFull, witness, failure)};
+}
+
+bool Meter::cut_off() const {
+  return stop_.stop_requested() || (std::isfinite(budget_.seconds) && elapsed() >= budget_.seconds);
 }
 
 double Meter::elapsed() const {

@@ -44,6 +44,7 @@ enum class StopReason {
 struct Progress {
   std::int64_t evaluations = 0;          ///< of the score
   std::int64_t failed = 0;               ///< of these, how many gave NaN or threw
+  std::int64_t inconclusive = 0;         ///< of these, how many were not achieved and nothing is proved by it (Attempt)
   std::int64_t program_evaluations = 0;  ///< of smooth programs, with derivatives: inner work
   /// Evaluations by what became of them: [Failure], achieved ones at Failure::kNone; they add up to `evaluations`.
   std::array<std::int64_t, kFailures> outcomes{};
@@ -77,7 +78,8 @@ class Meter {
   /// Throws std::invalid_argument for a budget that is negative or NaN.
   explicit Meter(Budget budget = {}, Observer observer = {}, std::stop_token stop = {});
 
-  /// The score of `design`, or nothing when it is time to stop (then nothing was evaluated). A score of NaN counts as
+  /// The score of `design`, or nothing when it is time to stop: then nothing was evaluated, or an evaluation was cut off
+  /// in its middle, which is not counted and says nothing. A score of NaN counts as
   /// -inf, not achieved, Failure::kNotANumber; so does an evaluation that throws EvaluationError, with Failure::kThrew:
   /// one bad design of a user's task does not end a search. Misuse (std::invalid_argument) passes through, counted.
   /// A screening is counted but never becomes the best: it promises a score and does not show it.
@@ -117,6 +119,8 @@ class Meter {
 
  private:
   [[nodiscard]] double elapsed() const;
+  // Somebody asks to stop, or the time is up: also in the middle of an evaluation.
+  [[nodiscard]] bool cut_off() const;
   void remember_nearest(const Design& design, const Evaluation& evaluation);
 
   Budget budget_;

@@ -54,7 +54,8 @@ class Solver {
   /// is achieved (DesignProblem::infeasible), nothing is searched and that is the answer, whatever the solver. Equal
   /// arguments give equal solutions (unless a budget of seconds cuts in). The best design evaluated through the meter
   /// is the answer. Where the meter said stop, its reason is the solution's, except that a proof (optimal, unreachable)
-  /// stands. Throws what the problem throws.
+  /// stands, unless an achieved design scores more than a bound of the problem or the solver: then that bound is wrong,
+  /// which the reason says. Throws what the problem throws.
   [[nodiscard]] Solution solve(const DesignProblem& problem, Meter& meter, Rng rng) const;
 
  private:

@@ -236,7 +236,8 @@ Verification verify(const RobotProblem& problem, const Design& design, const Cla
   const RobotProblem at_path_level = problem.with_level(Level::kPath);
   const Witness witness{claims.postures.value_or(Eigen::MatrixXd{})};
   result.evaluation = problem.evaluate(design, Fidelity::kFull, witness);
-  result.path_evaluation = at_path_level.evaluate(design, Fidelity::kFull, witness);
+  const bool same_level = problem.spec().level == Level::kPath;
+  result.path_evaluation = same_level ? result.evaluation : at_path_level.evaluate(design, Fidelity::kFull, witness);
   check_claims(claims, result.evaluation, result.findings);
   check_lengths(claims, result.evaluation.attempt, result.path_evaluation.attempt, result.findings);
 
@@ -246,8 +247,9 @@ Verification verify(const RobotProblem& problem, const Design& design, const Cla
   const Arm arm = chain->at(design.parameters());
   if (claims.postures) check_postures(problem, arm, *claims.postures, result.findings);
 
-  const Evaluation screen = at_path_level.evaluate(design, Fidelity::kScreen, witness);
-  if (screen.attempt.achieved) result.level = "posture";
+  // What a path goes through are postures that touch nothing.
+  const bool postures = attempt.achieved || at_path_level.evaluate(design, Fidelity::kScreen, witness).attempt.achieved;
+  if (postures) result.level = "posture";
   if (!attempt.achieved) {
     result.findings.push_back(fmt::format("not achieved at level path: {}{}", name(attempt.why),
                                           missing_motion(at_path_level.task(), attempt)));

@@ -126,7 +126,7 @@ void BoundSearch::look_for_design(Sequence& sequence, const Eigen::VectorXd& sta
     consider(design, postures);
     const double mass = problem_.chain(sequence.types)->mass(design.parameters());
     if (score_of(problem_, sequence.types, mass) <= score_to_beat(meter) + 1e-9) return;
-    const std::optional<Evaluation> evaluation = evaluate_staged(meter, problem_, design);
+    const std::optional<Evaluation> evaluation = evaluate_staged(meter, problem_, design, {.postures = postures});
     if (!evaluation) return;
     if (evaluation->attempt.achieved) {
       consider(design, evaluation->attempt.postures);
@@ -235,7 +235,7 @@ SearchEnd BoundSearch::end(const Meter& meter) const {
   const double best = score_to_beat(meter);
   const double unit = witness_ ? unit_of_gap(problem_, *witness_) : 1.0;
   const bool optimal = bound - best <= options_.gap * unit + 1e-9 * std::abs(bound);
-  std::string what = fmt::format("none scores above {:.9g}", bound);
+  std::string what = fmt::format("none scores above {}", rounded_up(bound, 9));
   if (optimal) {
     what += fmt::format(", {} of the mass from the best", percent((bound - best) / unit));
   } else if (witness_) {

@@ -55,21 +55,22 @@ NodeBound::BodyPoint NodeBound::body_point(int g, int run, double tau) const {
   const StraightRun& body = model_.runs[at(run)];
   const std::size_t f = frame(g, body.frame);
   // Without the heap: this is asked for many points of each box.
-  std::array<double, 16> columns{};
+  std::array<Eigen::Vector3d, 16> columns;
+  std::fill_n(columns.begin(), n_lengths_, Eigen::Vector3d::Zero());
   Eigen::Vector3d point =
       (1.0 - tau) * body.start.offset + tau * body.end.offset + (1.0 - 2.0 * tau) * body.radius * body.axis;
   for (const auto& term : body.start.terms) {
     point += (1.0 - tau) * middle_[at(term.parameter)] * term.direction;
-    columns[at(term.parameter)] += (1.0 - tau) * term.direction.dot(body.axis);
+    columns[at(term.parameter)] += (1.0 - tau) * term.direction;
   }
   for (const auto& term : body.end.terms) {
     point += tau * middle_[at(term.parameter)] * term.direction;
-    columns[at(term.parameter)] += tau * term.direction.dot(body.axis);
+    columns[at(term.parameter)] += tau * term.direction;
   }
   const int acting = std::max(body.acting, model_.frames[at(body.frame)].acting);
   double reach = swing_[f] + point.norm() * greatest_chord(delta_[frame(g, acting)]);
   const double* stretch = stretch_.data() + f * at(n_lengths_);
-  for (int k = 0; k < n_lengths_; ++k) reach += (stretch[k] + std::abs(columns[at(k)])) * half_[at(k)];
+  for (int k = 0; k < n_lengths_; ++k) reach += (stretch[k] + columns[at(k)].norm()) * half_[at(k)];
   return {origin_[f] + turn_[f] * point, reach};
 }
 

@@ -41,13 +41,12 @@ std::optional<AffineVector> in_lengths(const AffineVector& vector, const Sequenc
 
 // Cylinders of a frame, one after the other where each begins on the axis and at the end of the one before; affine in
 // the parameters.
-std::vector<StraightRun> find_runs(const Chain& chain, int n_parameters) {
-  const auto same = [n_parameters](const AffineVector& a, const AffineVector& b) {
-    if (a.offset != b.offset) return false;
-    for (int i = 0; i < n_parameters; ++i) {
-      if (column(a, i) != column(b, i)) return false;
-    }
-    return true;
+std::vector<StraightRun> find_runs(const Chain& chain, const Eigen::VectorXd& most) {
+  constexpr double kRounding = 1e-12;  // [m], and of an axis: as the checker has it
+  const auto same = [&](const AffineVector& a, const AffineVector& b) {
+    double away = (a.offset - b.offset).norm();
+    for (int i = 0; i < most.size(); ++i) away += most[i] * (column(a, i) - column(b, i)).norm();
+    return away <= kRounding;
   };
   std::vector<StraightRun> runs;
   for (const Body& body : chain.bodies()) {
@@ -70,11 +69,11 @@ std::vector<StraightRun> find_runs(const Chain& chain, int n_parameters) {
       run.end = shifted(1.0);
       const auto continues = [&](StraightRun& before) {
         if (before.frame != run.frame || !before.usable || !run.usable || before.radius != run.radius) return false;
-        if (before.axis == run.axis && same(before.end, run.start)) {
+        if ((before.axis - run.axis).norm() <= kRounding && same(before.end, run.start)) {
           before.end = run.end;
           return true;
         }
-        if (before.axis == -run.axis && same(before.end, run.end)) {
+        if ((before.axis + run.axis).norm() <= kRounding && same(before.end, run.end)) {
           before.end = run.start;
           return true;
         }
@@ -189,7 +188,7 @@ SequenceModel::SequenceModel(const RobotProblem& problem, std::span<const int> o
   }
   merge_parameters(*this, chain);
   mass = chain.mass().offset;
-  runs = find_runs(chain, chain.n_parameters());
+  runs = find_runs(chain, parameter_lower.cwiseAbs().cwiseMax(parameter_upper.cwiseAbs()));
   for (StraightRun& run : runs) {
     const std::optional<AffineVector> start_in_lengths = in_lengths(run.start, *this);
     const std::optional<AffineVector> end_in_lengths = in_lengths(run.end, *this);
