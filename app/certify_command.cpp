@@ -129,8 +129,8 @@ Status certify(const CertifyArguments& arguments, const CommonArguments& common,
     say("{}{}\n", proved ? "proved       " : "not proved   ", statement(certificate, problem, arguments));
     if (certificate.lower) {
       say("found        one that does so scores {:.9g}\n", *certificate.lower);
-      say("interval     [{:.9g}, {:.9g}], {:.3g} % of the mass\n", *certificate.lower, certificate.upper,
-          100.0 * *certificate.gap);
+      say("interval     [{:.9g}, {:.9g}], {:.3g} % of the {}\n", *certificate.lower, certificate.upper,
+          100.0 * *certificate.gap, certificate.of_mass ? "mass" : "score");
     }
     if (!open.empty()) say("open         {}\n", interrupted ? "interrupted" : open);
     say("no part      {}\n", not_proved(problem));

@@ -292,6 +292,7 @@ void prove(const RobotProblem& problem, const CertificateNames& names, const std
   for (int attempt = 1;; ++attempt) {
     if (witness) {
       certificate.lower = witness->score;
+      certificate.of_mass = problem.spec().scoring->mass_weight() * witness->mass > 0.0;
       certificate.gap = (certificate.upper - witness->score) / unit;
     }
     if (proof.run(certificate.upper)) break;

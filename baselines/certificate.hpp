@@ -27,6 +27,7 @@ struct Certificate {
   double upper = 0.0;             ///< no achieved design scores more; -inf: none is achieved
   std::optional<double> lower{};  ///< the score of a design that reaches and is free of obstacles
   std::optional<double> gap{};    ///< (upper - lower) as a share of the mass of that design (BranchAndBoundOptions)
+  bool of_mass = true;            ///< the gap is that; false: mass costs nothing, and it is a share of the score
   bool closed = false;            ///< to the gap that was asked for
   /// Of CertifyOptions::fewer: one of no more modules that reaches and is free of obstacles, so there is no proof.
   std::optional<Design> refuted_by{};

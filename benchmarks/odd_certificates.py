@@ -163,6 +163,7 @@ class Tally:
     def __init__(self):
         self.proved = self.closed = self.refused = self.beaten = self.not_proved = self.not_covered = 0
         self.seconds = 0.0
+        self.reasons = []  # why something was not proved
 
 
 def attack(program, problem, bound, seconds):
@@ -188,6 +189,7 @@ def judge(program, problem, folder, options, tally):
     claim = json.loads(out)
     if not claim["proved"]:
         tally.not_proved += 1
+        tally.reasons.append(claim.get("open", ""))
         return None
     status, _, _ = run(program.parent / "modsearch-check", certificate)
     if status != 0:
@@ -228,6 +230,8 @@ def main():
     for program, tally in zip(options.program, tallies):
         print(f"{program}: {tally.proved} proved and accepted ({tally.closed} to the gap), {tally.not_proved} not proved, "
               f"{tally.not_covered} not covered, {tally.refused} refused, {tally.beaten} beaten; {tally.seconds:.1f} s")
+        for reason in sorted(set(tally.reasons)):
+            print(f"  not proved: {reason}")
     return 1 if any(tally.refused or tally.beaten for tally in tallies) else 0
 
 

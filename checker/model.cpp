@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <cmath>
 #include <checker/model.hpp>
+#include <cmath>
 #include <optional>
 
 namespace modsearch_check {
@@ -148,49 +148,74 @@ void check_tree(const Module& module) {
   }
 }
 
+constexpr double kRounding = 1e-12;  // of what was computed in two ways: axes, columns, places [m]
+
+/// No parameter that length k is the sum of can be negative.
+bool is_positive(const Model& model, std::size_t k) {
+  for (std::size_t i = 0; i < model.variable_of.size(); ++i) {
+    if (model.variable_of[i] == k && !(model.parameters[i].lower >= kSlack)) return false;
+  }
+  return true;
+}
+
 /// `vector`, affine in the parameters, as one in the lengths; none if the parameters of a length move it differently.
+/// As in merge_parameters, columns that are alike but for rounding have to belong to parameters that are positive.
 std::optional<AffineVector> in_lengths(const AffineVector& vector, const Model& model) {
   AffineVector result{vector.offset, std::vector<Vector>(model.n_lengths())};
   std::vector<bool> seen(model.n_lengths());
   for (std::size_t i = 0; i < vector.columns.size(); ++i) {
     const std::size_t k = model.variable_of[i];
-    if (seen[k] && !same(result.columns[k], vector.columns[i])) return std::nullopt;
-    result.columns[k] = vector.columns[i];
+    const Vector& column = vector.columns[i];
+    const Vector both = seen[k] ? hull(result.columns[k], column) : column;
+    // Each of them is alike to that of the first parameter.
+    if (seen[k] && !(alike(result.columns[k], column, 4.0 * kRounding) && (is_exact(both) || is_positive(model, k)))) {
+      return std::nullopt;
+    }
+    result.columns[k] = both;
     seen[k] = true;
   }
   return result;
 }
 
-/// Parameters that move the chain and weigh alike are one length, their sum. Where their columns are known to rounding
-/// only, the sum of two positive ones still lies on the ray of one column within the enclosure.
+/// Whether parameters m and i move the chain and weigh alike, but for rounding; `exact`: and without any.
+bool move_alike(const Model& model, std::size_t m, std::size_t i, bool& exact) {
+  const Interval mass = hull(model.mass.columns[m], model.mass.columns[i]);
+  bool result = alike(model.mass.columns[m], model.mass.columns[i], kRounding);
+  exact = mass.is_exact();
+  for (const Frame& frame : model.frames) {
+    result = result && alike(frame.v.columns[m], frame.v.columns[i], kRounding);
+    exact = exact && is_exact(hull(frame.v.columns[m], frame.v.columns[i]));
+  }
+  return result;
+}
+
+/// Parameters that move the chain and weigh alike, but for rounding, are one length, their sum. Where their columns are
+/// not the same numbers the parameters have to be positive: then the sum of two lies on a ray within what encloses
+/// both.
 void merge_parameters(Model& model) {
   std::vector<std::size_t> leader;  // of each length
+  AffineScalar mass{model.mass.offset, {}};
   for (std::size_t i = 0; i < model.parameters.size(); ++i) {
     const Parameter& p = model.parameters[i];
     std::size_t k = 0;
     for (; k < leader.size(); ++k) {
-      const std::size_t m = leader[k];
-      bool alike = model.mass.columns[m].same_as(model.mass.columns[i]);
-      bool exact = model.mass.columns[m].is_exact();
-      for (const Frame& frame : model.frames) {
-        alike = alike && same(frame.v.columns[m], frame.v.columns[i]);
-        exact = exact && is_exact(frame.v.columns[m]);
-      }
-      if (alike && (exact || (p.lower >= kSlack && model.lower[k] >= 0.0))) break;
+      bool exact = false;
+      if (!move_alike(model, leader[k], i, exact)) continue;
+      if (exact || (p.lower >= kSlack && is_positive(model, k))) break;
     }
     const Interval range = Interval{p.lower, p.upper} + Interval{-kSlack, kSlack};
     if (k == leader.size()) {
       leader.push_back(i);
       model.lower.push_back(0.0);
       model.upper.push_back(0.0);
+      mass.columns.push_back(model.mass.columns[i]);
     }
+    mass.columns[k] = hull(mass.columns[k], model.mass.columns[i]);
     const Interval sum = Interval{model.lower[k], model.upper[k]} + range;
     model.lower[k] = sum.lower();
     model.upper[k] = sum.upper();
     model.variable_of.push_back(k);
   }
-  AffineScalar mass{model.mass.offset, {}};
-  for (const std::size_t i : leader) mass.columns.push_back(model.mass.columns[i]);
   model.mass = mass;
 }
 
@@ -208,7 +233,6 @@ double greatest_norm(const AffineVector& vector, const Model& model) {
 /// two are off by e, a ball that sinks deeper than a few e into the one long cylinder sinks into one of the two.
 bool continued(Run& before, const Run& next, const Vector& axis, const AffineVector& joined, const AffineVector& end,
                const Model& model) {
-  constexpr double kRounding = 1e-12;
   const double turned = norm(before.axis - axis).upper();
   const double away = greatest_norm(before.end + Interval{-1.0} * joined, model);
   if (!(turned <= kRounding && away <= kRounding)) return false;

@@ -30,6 +30,17 @@ using Matrix = std::array<Vector, 3>;  // rows
 [[nodiscard]] inline bool same(const Vector& a, const Vector& b) {
   return a[0].same_as(b[0]) && a[1].same_as(b[1]) && a[2].same_as(b[2]);
 }
+/// The same but for rounding: what is known of both lies within `width`.
+[[nodiscard]] inline bool alike(const Interval& a, const Interval& b, double width) {
+  const Interval both = hull(a, b);
+  return both.upper() - both.lower() <= width;
+}
+[[nodiscard]] inline bool alike(const Vector& a, const Vector& b, double width) {
+  return alike(a[0], b[0], width) && alike(a[1], b[1], width) && alike(a[2], b[2], width);
+}
+[[nodiscard]] inline Vector hull(const Vector& a, const Vector& b) {
+  return {hull(a[0], b[0]), hull(a[1], b[1]), hull(a[2], b[2])};
+}
 /// On the z axis, without a doubt.
 [[nodiscard]] inline bool along_z(const Vector& a) { return a[0].is_zero() && a[1].is_zero(); }
 

@@ -237,7 +237,8 @@ SearchEnd BoundSearch::end(const Meter& meter) const {
   const bool optimal = bound - best <= options_.gap * unit + 1e-9 * std::abs(bound);
   std::string what = fmt::format("none scores above {}", rounded_up(bound, 9));
   if (optimal) {
-    what += fmt::format(", {} of the mass from the best", percent((bound - best) / unit));
+    const bool of_mass = witness_ && weight_ * witness_->mass > 0.0;
+    what += fmt::format(", {} of the {} from the best", percent((bound - best) / unit), of_mass ? "mass" : "score");
   } else if (witness_) {
     what += fmt::format(
         "; an arm that scores {:.9g} reaches free of obstacles, though not at its posture closest to the "

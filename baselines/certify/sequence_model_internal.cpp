@@ -8,6 +8,9 @@
 namespace modsearch::certify {
 namespace {
 
+constexpr double kRounding =
+    1e-12;  // of what was computed in two ways: axes, columns, places; as the checker has it [m]
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool along_z(const Eigen::Vector3d& v) { return v.x() == 0.0 && v.y() == 0.0; }
@@ -30,8 +33,8 @@ std::optional<AffineVector> in_lengths(const AffineVector& vector, const Sequenc
   for (std::size_t i = 0; i < model.length_of.size(); ++i) {
     std::optional<Eigen::Vector3d>& known = columns[at(model.length_of[i])];
     const Eigen::Vector3d direction = column(vector, static_cast<int>(i));
-    if (known && *known != direction) return std::nullopt;
-    known = direction;
+    if (known && (*known - direction).norm() > 4.0 * kRounding) return std::nullopt;
+    if (!known) known = direction;
   }
   for (std::size_t k = 0; k < columns.size(); ++k) {
     if (columns[k] && !columns[k]->isZero(0.0)) result.terms.push_back({static_cast<int>(k), *columns[k]});
@@ -42,7 +45,6 @@ std::optional<AffineVector> in_lengths(const AffineVector& vector, const Sequenc
 // Cylinders of a frame, one after the other where each begins on the axis and at the end of the one before; affine in
 // the parameters.
 std::vector<StraightRun> find_runs(const Chain& chain, const Eigen::VectorXd& most) {
-  constexpr double kRounding = 1e-12;  // [m], and of an axis: as the checker has it
   const auto same = [&](const AffineVector& a, const AffineVector& b) {
     double away = (a.offset - b.offset).norm();
     for (int i = 0; i < most.size(); ++i) away += most[i] * (column(a, i) - column(b, i)).norm();
@@ -115,9 +117,10 @@ void merge_parameters(SequenceModel& model, const Chain& chain) {
   std::vector<int> leader;  // of each length
   for (int i = 0; i < n; ++i) {
     const auto alike = [&](int m) {
-      if (masses[m] != masses[i]) return false;
-      return std::all_of(model.frames.begin(), model.frames.end(),
-                         [&](const ModelFrame& frame) { return column(frame.v, m) == column(frame.v, i); });
+      const bool same_mass = std::abs(masses[m] - masses[i]) <= kRounding;
+      return same_mass && std::all_of(model.frames.begin(), model.frames.end(), [&](const ModelFrame& frame) {
+               return (column(frame.v, m) - column(frame.v, i)).cwiseAbs().maxCoeff() <= kRounding;
+             });
     };
     const auto k = static_cast<std::size_t>(std::find_if(leader.begin(), leader.end(), alike) - leader.begin());
     if (k == leader.size()) {
