@@ -26,6 +26,7 @@
 #include <modsearch/kinematics/bounding_capsule.hpp>
 #include <modsearch/kinematics/chain.hpp>
 #include <modsearch/kinematics/inertial.hpp>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/kinematics/inverse_kinematics.hpp>
 #include <modsearch/kinematics/low_discrepancy.hpp>
 #include <modsearch/kinematics/parametric_pose.hpp>

@@ -102,6 +102,10 @@ Triangle corners(const TriangleMesh& mesh, const Isometry3d& X, std::intptr_t tr
 
 }  // namespace
 
+void prepare(const Shape& shape) {
+  if (const Mesh* mesh = std::get_if<Mesh>(&shape)) static_cast<void>(trees_of(*mesh));
+}
+
 double least_distance(const Shape& a, const Isometry3d& X_WA, const Shape& b, const Isometry3d& X_WB) {
   constexpr double kRounding = 1e-9;  // [m]
   const Mesh* mesh = std::get_if<Mesh>(&b);

@@ -5,6 +5,10 @@
 
 namespace modsearch::detail {
 
+/// Builds what distances to `shape` take beside it, so that no distance has to: seconds for a mesh of a million triangles,
+/// nothing for other shapes.
+void prepare(const Shape& shape);
+
 /// Whether `a` touches a triangle of the mesh `b`, by FCL. Throws std::runtime_error("collision unknown: ...") if FCL
 /// fails.
 [[nodiscard]] bool mesh_overlaps(const Shape& a, const Eigen::Isometry3d& X_WA, const Mesh& b,

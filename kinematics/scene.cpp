@@ -114,6 +114,7 @@ Scene::Scene(std::vector<Obstacle> obstacles) : obstacles_{std::move(obstacles)}
       try {
         check(placed.shape);
         check_pose(placed.X_FG);
+        detail::prepare(placed.shape);
       } catch (const std::invalid_argument& error) {
         throw std::invalid_argument(
             fmt::format("Scene: obstacle {} ('{}'), shape {}: {}", i, obstacles_[i].name, s, error.what()));

@@ -226,17 +226,19 @@ Eigen::Isometry3d JsonCursor::pose() const {
 std::optional<Eigen::Matrix3d> nearest_rotation(const Eigen::Matrix3d& given) {
   constexpr double kAccepted = 1e-6;
   // cos(pi / 2) is 6e-17 in a file, and an axis that is turned by that is one that is not turned.
-  const auto whole = [](double entry) {
-    constexpr double kRounding = 1e-12;
-    return std::abs(entry - std::round(entry)) <= kRounding ? std::round(entry) + 0.0 : entry;
+  const auto whole = [](double rounding) {
+    return [rounding](double entry) {
+      return std::abs(entry - std::round(entry)) <= rounding ? std::round(entry) + 0.0 : entry;
+    };
   };
   if (!given.allFinite()) return std::nullopt;
-  const Eigen::Matrix3d R = given.unaryExpr(whole);
+  const Eigen::Matrix3d R = given.unaryExpr(whole(1e-12));
   const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kAccepted) || R.determinant() < 0.0) return std::nullopt;
-  if (error <= 4.0 * std::numeric_limits<double>::epsilon()) return R;  // exact ones stay exact
+  constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+  if (error <= kRounding) return R;  // exact ones stay exact
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd{R, Eigen::ComputeFullU | Eigen::ComputeFullV};
-  return (svd.matrixU() * svd.matrixV().transpose()).unaryExpr(whole).eval();
+  return (svd.matrixU() * svd.matrixV().transpose()).unaryExpr(whole(kRounding)).eval();
 }
 
 }  // namespace modsearch::detail
