@@ -65,7 +65,7 @@ std::string not_proved(const RobotProblem& problem) {
 
 Status certify(const CertifyArguments& arguments, const CommonArguments& common, std::stop_token stop) {
   if (arguments.out.empty()) throw std::invalid_argument("--out is empty: not the name of a file");
-  const ChosenProblem chosen = choose_problem(arguments.problem, arguments.instance);
+  const ChosenProblem chosen = choose_problem(arguments.problem, arguments.instance, common.files);
   const RobotProblem& problem = *chosen.problem;
   const std::filesystem::path folder = std::filesystem::absolute(arguments.out).parent_path();
   make_folder(folder);

@@ -261,7 +261,7 @@ class Converter {
                                           : load_json(document_.source->directory / problem, document_.source->label);
     const JsonCursor library = document.cursor().at("library");
     if (!library.value().is_string()) return read_library(library, problem);
-    return load_library_from(library.text(), document.source->directory, document.source->label);
+    return load_library_from(library.text(), *document.source);
   }
 
   /// The design without its base, which stands in it where the problem lets it be placed.
