@@ -6,6 +6,7 @@
 #include <modsearch/problem/frozen_design.hpp>
 #include <modsearch/problem/library_write_internal.hpp>
 #include <modsearch/problem/readers_internal.hpp>
+#include <modsearch/problem/relative_path_internal.hpp>
 #include <modsearch/problem/urdf.hpp>
 
 namespace modsearch {
