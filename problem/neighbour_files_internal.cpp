@@ -82,7 +82,7 @@ void settle_tolerance_frames(ordered_json& value) {
   for (ordered_json& entry : value) settle_tolerance_frames(entry);
 }
 
-/// Refuses frames that are given as matrices, and what else CoBRA's tasks have no word for below `cursor`.
+/// Refuses frames of tolerances that are given as matrices anywhere below `cursor`.
 void require_named_frames(const JsonCursor& cursor) {
   const Json& value = cursor.value();
   if (value.is_array()) {
@@ -225,7 +225,7 @@ void drop_free_tolerances(Json& value) {
 
 void settle_solution_for_cobra(ordered_json& solution, const ModuleLibrary& library, double mass) {
   const ordered_json no_name = ordered_json::array({""});
-  const std::pair<const char*, ordered_json> kFixed[] = {
+  const std::pair<const char*, ordered_json> fixed[] = {
       {"version", "2022"},
       {"author", no_name},
       {"email", no_name},
@@ -236,7 +236,7 @@ void settle_solution_for_cobra(ordered_json& solution, const ModuleLibrary& libr
       {"moduleSet", module_set(library)},
       {"trajectory",
        {{"t", ordered_json::array()}, {"q", ordered_json::array()}, {"goal2time", ordered_json::object()}}}};
-  for (const auto& [key, value] : kFixed) {
+  for (const auto& [key, value] : fixed) {
     if (!solution.contains(key) || solution[key].is_null()) solution[key] = value;
   }
   if (!solution.contains("costFunction") || !is_cobras_cost(solution["costFunction"])) {
