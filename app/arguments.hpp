@@ -16,6 +16,7 @@ struct CommonArguments {
   bool json = false;
   bool quiet = false;
   std::string command;  ///< the command line as it was typed, for records
+  FileOptions files;    ///< how problems and what they refer to are read
 };
 
 struct SolveArguments {

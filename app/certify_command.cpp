@@ -93,7 +93,7 @@ Checked write_checked(const std::filesystem::path& out, const Certificate& certi
 
 Status certify(const CertifyArguments& arguments, const CommonArguments& common, std::stop_token stop) {
   if (arguments.out.empty()) throw std::invalid_argument("--out is empty: not the name of a file");
-  const ChosenProblem chosen = choose_problem(arguments.problem, arguments.instance);
+  const ChosenProblem chosen = choose_problem(arguments.problem, arguments.instance, common.files);
   const RobotProblem& problem = *chosen.problem;
   const std::filesystem::path folder = std::filesystem::absolute(arguments.out).parent_path();
   make_folder(folder);

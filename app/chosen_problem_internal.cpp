@@ -6,9 +6,10 @@
 
 namespace modsearch::app {
 
-ChosenProblem choose_problem(const std::string& name, const std::optional<Instance>& asked) {
+ChosenProblem choose_problem(const std::string& name, const std::optional<Instance>& asked,
+                             const FileOptions& options) {
   if (name.empty()) throw std::invalid_argument("PROBLEM is empty: neither a file nor the ID of a built-in problem");
-  ChosenProblem chosen{load_problem_file(name), std::nullopt, nullptr};
+  ChosenProblem chosen{load_problem_file(name, options), std::nullopt, nullptr};
   const Instance instance = asked.value_or(Instance{});
   if (chosen.file.sampled()) {
     chosen.instance = instance;

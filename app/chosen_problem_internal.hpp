@@ -15,6 +15,7 @@ struct ChosenProblem {
 };
 
 /// Reads a problem and draws the instance (0:0 by default). Throws std::invalid_argument and FileError.
-[[nodiscard]] ChosenProblem choose_problem(const std::string& name, const std::optional<Instance>& asked);
+[[nodiscard]] ChosenProblem choose_problem(const std::string& name, const std::optional<Instance>& asked,
+                                           const FileOptions& options);
 
 }  // namespace modsearch::app

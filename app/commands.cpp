@@ -44,7 +44,8 @@ std::string presets_text(const LearnerSettings& defaults) {
 }  // namespace
 
 Status evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
-  const std::shared_ptr<const RobotProblem> problem = choose_problem(arguments.problem, arguments.instance).problem;
+  const std::shared_ptr<const RobotProblem> problem =
+      choose_problem(arguments.problem, arguments.instance, common.files).problem;
   const Design design = load_design(arguments.design, problem->library());
   const Evaluation evaluation = problem->evaluate(design, Fidelity::kFull, load_witness(arguments.design));
   if (common.json) {
@@ -56,7 +57,7 @@ Status evaluate(const EvaluateArguments& arguments, const CommonArguments& commo
 }
 
 Status verify_solution(const VerifyArguments& arguments, const CommonArguments& common) {
-  const LoadedSolution loaded = load_solution(arguments.solution, arguments.problem);
+  const LoadedSolution loaded = load_solution(arguments.solution, arguments.problem, common.files);
   const Attempt& claimed = loaded.record.evaluation.attempt;
   Claims claims;
   if (loaded.claims) {
@@ -107,7 +108,7 @@ std::optional<std::string> solve_command(const std::string& problem, const Solut
 
 Status render(const RenderArguments& arguments, const CommonArguments& common) {
   if (arguments.out) make_folder(*arguments.out);
-  LoadedSolution loaded = load_solution(arguments.solution, arguments.problem);
+  LoadedSolution loaded = load_solution(arguments.solution, arguments.problem, common.files);
   if (!loaded.claims) {
     // Nothing to show but the design and its motion: how good they are has to be found out.
     const Attempt given = loaded.record.evaluation.attempt;
@@ -122,7 +123,7 @@ Status render(const RenderArguments& arguments, const CommonArguments& common) {
   const std::string page =
       write_page(page_of_solution(*loaded.problem, loaded.record,
                                   {.path = attempt.path,
-                                   .sampling = load_problem_file(problem).sampling,
+                                   .sampling = load_problem_file(problem, common.files).sampling,
                                    .command = solve_command(problem, loaded.record).value_or(common.command),
                                    .reason = missed.words()}));
   if (!arguments.out) {

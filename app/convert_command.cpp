@@ -11,7 +11,9 @@ Status convert(const ConvertArguments& arguments, const CommonArguments& common)
   const FileFormat to = file_format_from_name(arguments.to.value_or(by_ending)).value();
   const std::filesystem::path folder = arguments.out.has_parent_path() ? arguments.out.parent_path() : ".";
   write_file(arguments.out,
-             modsearch::convert(arguments.in, {.to = to, .library = arguments.library, .folder = folder}));
+             modsearch::convert(
+                 arguments.in,
+                 {.to = to, .library = arguments.library, .folder = folder, .mesh_root = common.files.mesh_root}));
   if (common.json) {
     print({{"format", name(to)}, {"files", {arguments.out.string()}}});
   } else {

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <limits>
 #include <string>
 #include <vector>
@@ -44,6 +45,20 @@ void add_common(CLI::App& command, CommonArguments& common, const std::string& e
   command.add_flag("--json", common.json, "one JSON object on stdout");
   command.add_flag("--quiet", common.quiet, "no progress on stderr");
   command.footer("Example:\n  " + example);
+}
+
+void add_mesh_root(CLI::App& command, CommonArguments& common) {
+  command
+      .add_option_function<std::string>(
+          "--mesh-root",
+          [&](const std::string& text) {
+            if (!std::filesystem::is_directory(text)) {
+              throw std::invalid_argument(fmt::format("--mesh-root {}: there is no such folder", text));
+            }
+            common.files.mesh_root = text;
+          },
+          "folder in which meshes are looked for first, such as the top of a package of tasks")
+      ->type_name("DIR");
 }
 
 void add_instance(CLI::App& command, std::optional<Instance>& instance) {
@@ -126,6 +141,7 @@ void describe(CLI::App& app, Arguments& a) {
       solve.add_option("--checkpoint", a.solve.checkpoint, "FILE in which the search is kept while it runs");
   solve.add_flag("--resume", a.solve.resume, "go on from the checkpoint, if there is one")->needs(checkpoint);
   solve.add_option("--out", a.solve.out, "folder for solution.json, trace.csv and view.html");
+  add_mesh_root(solve, a.common);
   add_common(solve, a.common, "modsearch solve seed/fixed --solver per-sequence:inner=ipopt --out out/");
 
   CLI::App& train = *app.add_subcommand("train", "train an agent on a problem, or on the instances of a sampled one");
@@ -145,6 +161,7 @@ void describe(CLI::App& app, Arguments& a) {
   train.add_flag("--resume", a.train.resume, "go on from the checkpoint in --out");
   train.add_option("--out", a.train.out,
                    "folder for policy.json with its weights, training.csv, TensorBoard events, checkpoint.bin");
+  add_mesh_root(train, a.common);
   add_common(train, a.common, "modsearch train seed/fixed --agent mpdqn:preset=best --out out/");
 
   CLI::App& compare =
@@ -161,17 +178,20 @@ void describe(CLI::App& app, Arguments& a) {
   evaluate.add_option("PROBLEM", a.evaluate.problem, "problem file or ID")->required();
   evaluate.add_option("DESIGN", a.evaluate.design, "solution file, or a JSON array of placements")->required();
   add_instance(evaluate, a.evaluate.instance);
+  add_mesh_root(evaluate, a.common);
   add_common(evaluate, a.common, "modsearch evaluate seed/fixed design.json");
 
   CLI::App& verify = *app.add_subcommand("verify", "re-evaluate a solution from scratch, with its path");
   verify.add_option("SOLUTION", a.verify.solution, "solution file")->required();
   verify.add_option("--problem", a.verify.problem, "problem file or ID instead of the one named in the file");
+  add_mesh_root(verify, a.common);
   add_common(verify, a.common, "modsearch verify out/solution.json");
 
   CLI::App& render = *app.add_subcommand("render", "make the 3-D page of a solution");
   render.add_option("SOLUTION", a.render.solution, "solution file")->required();
   render.add_option("--problem", a.render.problem, "problem file or ID instead of the one named in the file");
   render.add_option("--out", a.render.out, "folder for view.html; without it the page goes to stdout");
+  add_mesh_root(render, a.common);
   add_common(render, a.common, "modsearch render out/solution.json --out out/");
 
   CLI::App& convert = *app.add_subcommand("convert", "write a library, task, problem, solution or design otherwise");
@@ -181,6 +201,7 @@ void describe(CLI::App& app, Arguments& a) {
   convert.add_option("--to", a.convert.to, "default: urdf where OUT ends so, else modsearch")
       ->check(CLI::IsMember({"modsearch", "timor", "cobra", "urdf"}));
   convert.add_option("--library", a.convert.library, "library, file or ID, of a design that names none");
+  add_mesh_root(convert, a.common);
   add_common(convert, a.common, "modsearch convert out/solution.json arm.urdf");
 
   CLI::App& generate = *app.add_subcommand("generate", "write tasks of a family, each with its problem");
@@ -214,6 +235,7 @@ void describe(CLI::App& app, Arguments& a) {
           "instead: prove that no design of at most N modules (without the base) is achieved")
       ->type_name("N");
   certify.add_option("--out", a.certify.out, "FILE of the certificate")->capture_default_str();
+  add_mesh_root(certify, a.common);
   add_common(certify, a.common, "modsearch certify seed/fixed --out out/certificate.json");
 
   CLI::App& check =

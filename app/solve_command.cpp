@@ -108,7 +108,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
     chosen.solver = std::make_unique<Refined>(std::move(chosen.solver));
     chosen.options.emplace_back("refine", "true");
   }
-  const auto [file, instance, as_given] = choose_problem(arguments.problem, arguments.instance);
+  const auto [file, instance, as_given] = choose_problem(arguments.problem, arguments.instance, common.files);
   std::shared_ptr<const RobotProblem> problem = as_given;
   if (arguments.at_path_level) problem = std::make_shared<RobotProblem>(problem->with_level(Level::kPath));
   if (arguments.out) make_folder(*arguments.out);

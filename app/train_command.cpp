@@ -158,7 +158,7 @@ std::string summary_text(const nlohmann::ordered_json& json) {
 
 Status train(const TrainArguments& arguments, const CommonArguments& common, std::stop_token stop) {
   if (arguments.resume && !arguments.out) throw std::invalid_argument("--resume needs --out, the folder to go on in");
-  const ProblemFile file = load_problem_file(arguments.problem);
+  const ProblemFile file = load_problem_file(arguments.problem, common.files);
   ChosenAgent chosen = choose_agent(arguments.agent, file);
   if (arguments.episodes) chosen.settings.training.episodes = *arguments.episodes;
   std::optional<TrainingFiles> files;

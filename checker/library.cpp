@@ -203,11 +203,12 @@ Shape read_shape(const Value& value, const std::vector<Parameter>& parameters) {
 }
 
 Library read_library(const Value& value) {
-  value.only({"modules", "ignore_collisions"});
+  const bool bare = value.json().is_array();  // the list of modules alone, an older form
+  if (!bare) value.only({"modules", "ignore_collisions"});
   Library library;
   bool has_base = false;
   std::vector<std::string> ids;
-  for (const Value& entry : value["modules"].items_or_one()) {
+  for (const Value& entry : bare ? value.items() : value["modules"].items_or_one()) {
     Module module = read_module(entry);
     if (std::find(ids.begin(), ids.end(), module.id) != ids.end()) entry.fail("the ID is taken");
     ids.push_back(module.id);

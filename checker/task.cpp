@@ -5,16 +5,45 @@
 namespace modsearch_check {
 namespace {
 
+/// Poses may hang on named frames in tasks; nothing is proved about those.
+void only_in_the_world(const Value& pose) {
+  pose.only({"nominal", "nominalParent", "toleranceProjection", "tolerance", "toleranceFrame", "frame"});
+  if (pose.has("nominalParent") && pose["nominalParent"].text() != "world") {
+    throw Rejected("nothing is proved about poses that hang on other frames than the world");
+  }
+}
+
+/// A base at its nominal pose: tolerances, if any, limit its place and its turn to CoBRA's default ones (1 mm, 0.5
+/// degrees), which say how exactly it is mounted.
+Pose read_base(const Value& pose) {
+  if (!pose.json().is_object()) return pose.pose();
+  only_in_the_world(pose);
+  if (!pose.has("toleranceProjection") || pose["toleranceProjection"].json().empty()) return pose["nominal"].pose();
+  bool turns = true;
+  const std::vector<Value> projections = pose["toleranceProjection"].items();
+  const std::vector<Value> intervals = pose["tolerance"].items(projections.size());
+  for (std::size_t i = 0; i < projections.size(); ++i) {
+    const std::size_t which = projections[i].choice({"x", "y", "z", "r_cyl", "r_sph", "N_x", "N_y", "N_z", "Theta_R"});
+    const double most = which < 5 ? 0.001 + 1e-9 : 0.5 * 3.14159265358979 / 180.0 + 1e-6;
+    const std::vector<Value> ends = intervals[i].items(2);
+    const bool tilt = which == 5 || which == 6;  // held at 0, however wide
+    const bool mounted = ends[0].number() <= 0.0 && ends[1].number() >= 0.0 &&
+                         (tilt || (ends[0].number() >= -most && ends[1].number() <= most));
+    if (!mounted) throw Rejected("nothing is proved about bases that may be placed");
+    if (which >= 7) turns = false;
+  }
+  if (turns) throw Rejected("nothing is proved about bases that may be placed");
+  return pose["nominal"].pose();
+}
+
 /// A goal that is a ball about a position, whatever the orientation: the only kind that is proved.
 Goal read_goal(const Value& value) {
-  value.only({"ID", "type", "constraints", "goalPose", "externalForce", "externalTorque"});
+  value.only({"ID", "type", "constraints", "goalPose", "externalForce", "externalTorque", "forceTorqueReferenceFrame"});
   if (value["type"].choice({"at", "reach", "returnTo", "pause", "follow"}) > 1) {
     throw Rejected("nothing is proved about goals of other types than at and reach");
   }
   const Value pose = value["goalPose"];
-  pose.only({"nominal", "nominalParent", "toleranceProjection", "tolerance", "toleranceFrame"});
-  if (pose.has("nominalParent") && pose["nominalParent"].text() != "world")
-    pose["nominalParent"].fail("is not \"world\"");
+  only_in_the_world(pose);
   if (!pose.has("toleranceProjection") || pose["toleranceProjection"].items().size() != 1 ||
       pose["toleranceProjection"].items()[0].text() != "r_sph") {
     throw Rejected("nothing is proved about goals that are not balls (the one tolerance r_sph)");
@@ -45,7 +74,7 @@ void put_in_order(std::vector<Goal>& goals, const Value& order) {
 }  // namespace
 
 Task read_task(const Value& value) {
-  value.only({"header", "obstacles", "constraints", "goals", "objects", "home"});
+  value.only({"header", "obstacles", "constraints", "goals", "objects", "frames", "home"});
   value["header"].only({"ID", "version", "taskName", "timeStepSize", "gravity"});
   if (value.has("objects") && !value["objects"].json().empty()) value["objects"].fail("may only be empty");
   Task task;
@@ -65,15 +94,15 @@ Task read_task(const Value& value) {
   std::optional<Value> order;
   bool placed = false;
   for (const Value& entry : value.has("constraints") ? value["constraints"].items_or_one() : std::vector<Value>{}) {
+    if (entry.json().is_object() && entry.json().empty()) continue;
     // The others only forbid more, or are what the problem's own words decide.
     const std::size_t type = entry["type"].choice({"basePlacement", "allGoalsFulfilledInOrder", "allGoalsFulfilled",
-                                                   "joint", "selfCollisionFree", "collisionFree", "validAssembly"});
+                                                   "joint", "selfCollisionFree", "collisionFree", "validAssembly",
+                                                   "alwaysTrue", "goalsBySameRobot", "endEffector"});
     if (type == 0) {
       if (placed) entry.fail("the base is placed twice");
       placed = true;
-      const Value pose = entry["pose"];
-      if (pose.json().is_object()) pose.only({"nominal"});
-      task.base = pose.json().is_object() ? pose["nominal"].pose() : pose.pose();
+      task.base = read_base(entry["pose"]);
     } else if (type == 1) {
       if (order) entry.fail("the order of the goals is given twice");
       order = entry["order"];

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <modsearch/problem/convert.hpp>
 #include <modsearch/problem/frozen_design.hpp>
+#include <modsearch/problem/geometry_internal.hpp>
 #include <modsearch/problem/library_write_internal.hpp>
+#include <modsearch/problem/neighbour_files_internal.hpp>
 #include <modsearch/problem/readers_internal.hpp>
+#include <modsearch/problem/relative_path_internal.hpp>
 #include <modsearch/problem/urdf.hpp>
 
 namespace modsearch {
@@ -84,15 +88,15 @@ ordered_json in_usual_order(const Json& value) {
 
 /// Names a file that a document in `from` refers to for one in `to`.
 void rename_file(Json& name, const std::filesystem::path& from, const std::filesystem::path& to) {
-  const auto file = name.get<std::string>();
-  if (!file.starts_with("package://")) name = relative_to(from / file, to);
+  name = relative_to(from / name.get<std::string>(), to);
 }
 
-/// Every mesh of the document, collision and visual.
-void rename_meshes(Json& value, const std::filesystem::path& from, const std::filesystem::path& to) {
+/// Every mesh of a document from `from`, collision and visual, for one in `to`.
+void rename_meshes(Json& value, const JsonSource& from, const std::filesystem::path& to) {
   if (value.is_object() && value.value("type", Json{}) == "mesh" && value.contains("parameters") &&
       value["parameters"].is_object() && value["parameters"].value("file", Json{}).is_string()) {
-    rename_file(value["parameters"]["file"], from, to);
+    Json& file = value["parameters"]["file"];
+    file = relative_to(mesh_path(file.get<std::string>(), from), to);
   }
   if (!value.is_structured()) return;
   for (Json& entry : value) rename_meshes(entry, from, to);
@@ -126,6 +130,7 @@ class Converter {
 
   [[nodiscard]] std::string text() const {
     const Json& root = document_.root;
+    if (is_list_of_modules(root)) return library();
     if (root.is_array()) return design();
     if (!root.is_object()) cursor().fail_value("a library, a task, a problem, a solution or a design");
     if (root.contains("modules")) return library();
@@ -142,18 +147,26 @@ class Converter {
   [[nodiscard]] JsonCursor cursor() const { return document_.cursor(); }
 
   /// The document itself, with what it refers to named from the new folder.
-  [[nodiscard]] Json moved() const {
+  [[nodiscard]] Json moved() const { return moved(options_.folder); }
+  [[nodiscard]] Json moved(const std::filesystem::path& folder) const {
     Json copy = document_.root;
-    rename_meshes(copy, document_.source->directory, options_.folder);
+    rename_meshes(copy, *document_.source, folder);
+    drop_free_tolerances(copy);
     settle_infinity(copy, options_.to == FileFormat::kTimor);
     return copy;
+  }
+
+  /// A library in its older form of a bare list gets the name that its list has today.
+  [[nodiscard]] Json moved_library() const {
+    Json copy = moved();
+    return copy.is_array() ? Json{{"modules", std::move(copy)}} : copy;
   }
 
   [[nodiscard]] std::string library() const {
     const auto read = read_library(cursor(), document_.source->label);
     switch (options_.to) {
       case FileFormat::kModsearch:
-        return to_text(in_usual_order(moved()));
+        return to_text(in_usual_order(moved_library()));
       case FileFormat::kTimor:
         return timor(*read, cursor());
       case FileFormat::kCobra:
@@ -173,11 +186,19 @@ class Converter {
     }
     bool as_it_is = !only_ours(given.base());
     for (int k = 0; k < given.n_types(); ++k) as_it_is = as_it_is && !only_ours(given.type(k));
-    if (as_it_is) return with_bare_infinity(to_text(in_usual_order(moved())));
+    require_dates();
+    if (as_it_is) return timor_text(in_usual_order(moved_library()));
     // An inertia may have to be worked out from meshes, which were not opened.
-    const JsonSource source{document_.source->label, document_.source->directory};
+    JsonSource source = *document_.source;
+    source.open_meshes = true;
     const JsonDocument opened{std::make_shared<const JsonSource>(source), document_.root};
     return timor_text(*place.guard([&] { return frozen(*read_library(opened.cursor(), source.label)); }));
+  }
+
+  /// Of the headers of a library's modules.
+  void require_dates() const {
+    const JsonCursor list = document_.root.is_array() ? cursor() : cursor().at("modules");
+    for (const JsonCursor& module : list.items_or_single()) require_date(module.at("header"), "timor");
   }
 
   [[nodiscard]] std::string task() const {
@@ -185,22 +206,12 @@ class Converter {
     if (options_.to == FileFormat::kTimor || options_.to == FileFormat::kUrdf) {
       refuse(cursor(), "a task", options_.to, "it holds no modules (limit: modsearch, cobra)");
     }
-    if (options_.to == FileFormat::kCobra) require_cobra(cursor());
-    return to_text(in_usual_order(moved()));
-  }
-
-  /// Refuses what a task of ours may say and one of CoBRA's may not.
-  void require_cobra(const JsonCursor& given) const {
-    for (const char* ours : {"home", "payload"}) {
-      if (given.has(ours)) refuse(given.at(ours), fmt::format("\"{}\"", ours), options_.to, "CoBRA's tasks have none");
-    }
-    if (const std::optional<JsonCursor> obstacles = given.find("obstacles")) {
-      for (const JsonCursor& obstacle : obstacles->items_or_single()) {
-        if (obstacle.has("motion")) {
-          refuse(obstacle.at("motion"), "a moving obstacle", options_.to, "CoBRA's obstacles stand still");
-        }
-      }
-    }
+    if (options_.to != FileFormat::kCobra) return to_text(in_usual_order(moved()));
+    require_cobras_task(cursor());
+    const std::string id = cursor().at("header").at("ID").text();
+    ordered_json theirs = in_usual_order(moved(package_root(id, options_.folder)));
+    settle_for_cobra(theirs);
+    return to_text(theirs);
   }
 
   [[nodiscard]] std::string problem() const {
@@ -236,7 +247,8 @@ class Converter {
     }
     const std::string file = named.text();
     if (builtin_library(file)) return convert(file, options_);
-    return Converter{load_json(document_.source->directory / file, document_.source->label), options_}.text();
+    const JsonSource& source = *document_.source;
+    return Converter{load_json(source.directory / file, source.label, source.mesh_root), options_}.text();
   }
 
   /// One of CoBRA's own claims no score and becomes its design.
@@ -252,16 +264,25 @@ class Converter {
 
   /// The library that a design is read with: as its problem names it, whether its base may be placed or not.
   [[nodiscard]] std::shared_ptr<const ModuleLibrary> library_of_design() const {
-    if (options_.library) return load_library(*options_.library);
+    if (options_.library) {
+      return load_library_from(*options_.library, {.label = {}, .directory = {}, .mesh_root = options_.mesh_root});
+    }
+    const Json& root = document_.root;
+    const bool placements = !root.is_array() || root.empty() || (root[0].is_object() && root[0].contains("type"));
+    if (!placements) {
+      cursor().items()[0].fail_value(
+          "the placement of a module, a \"type\", as in a design, nor a module with a \"header\", as in a library");
+    }
     const std::optional<JsonCursor> named = document_.root.is_object() ? cursor().find("problem") : std::nullopt;
     if (!named) cursor().fail("the design names no library: give one with --library");
     const std::string problem = named->text();
     const std::optional<std::string_view> builtin = builtin_problem(problem);
     const JsonDocument document = builtin ? parse_json(std::string{*builtin}, {"built-in problem " + problem, {}})
-                                          : load_json(document_.source->directory / problem, document_.source->label);
+                                          : load_json(document_.source->directory / problem, document_.source->label,
+                                                      document_.source->mesh_root);
     const JsonCursor library = document.cursor().at("library");
     if (!library.value().is_string()) return read_library(library, problem);
-    return load_library_from(library.text(), document.source->directory, document.source->label);
+    return load_library_from(library.text(), *document.source);
   }
 
   /// The design without its base, which stands in it where the problem lets it be placed.
@@ -294,10 +315,12 @@ class Converter {
       case FileFormat::kCobra:
         return cobra_solution(frozen_here(*modules, given));
       case FileFormat::kUrdf:
-        return to_urdf(*modules, given,
-                       {.name = std::filesystem::path{document_.source->label}.stem().string(),
-                        .folder = options_.folder,
-                        .X_WB = base_pose()});
+        return cursor().guard([&] {
+          return to_urdf(*modules, given,
+                         {.name = std::filesystem::path{document_.source->label}.stem().string(),
+                          .folder = options_.folder,
+                          .X_WB = base_pose()});
+        });
     }
     return {};
   }
@@ -307,8 +330,16 @@ class Converter {
   }
 
   [[nodiscard]] std::string timor_text(const ModuleLibrary& modules) const {
-    const LibraryStyle style{.folder = options_.folder, .bare_infinity = true};
-    return with_bare_infinity(to_text(to_json(modules, style)));
+    return timor_text(to_json(modules, {.folder = options_.folder, .bare_infinity = true}));
+  }
+
+  [[nodiscard]] static std::string timor_text(ordered_json library) {
+    settle_for_timor(library);
+    return with_bare_infinity(to_text(library));
+  }
+
+  [[nodiscard]] static double mass_of(const FrozenDesign& design) {
+    return design.library->assemble(design.design.types()).at(design.design.parameters()).mass();
   }
 
   /// CoBRA's keys of a solution, the assembly by the names of the frozen modules.
@@ -321,6 +352,10 @@ class Converter {
     for (const std::string& key : kKept) {
       if (document_.root.is_object() && document_.root.contains(key)) out[key] = in_usual_order(document_.root.at(key));
     }
+    out["basePose"] = ordered_json::array({to_json(base_pose())});
+    if (document_.root.is_object()) require_date(cursor(), "cobra");
+    settle_solution_for_cobra(out, *design.library, mass_of(design));
+    if (!out.contains("taskID")) out.erase("trajectory");  // an assembly, which solves nothing
     add_assembly(*design.library, design.design, false, out);
     return to_text(out);
   }
@@ -329,7 +364,7 @@ class Converter {
   ConvertOptions options_;
 };
 
-JsonDocument document_of(const std::string& file) {
+JsonDocument document_of(const std::string& file, const std::optional<std::filesystem::path>& mesh_root) {
   for (const auto& text : {builtin_library(file), builtin_problem(file)}) {
     if (text) return parse_json(std::string{*text}, {"built-in " + file, {}});
   }
@@ -338,7 +373,10 @@ JsonDocument document_of(const std::string& file) {
   if (first != std::string::npos && text[first] == '<') {
     throw FileError(fmt::format("{}: is XML: URDF can be written, not read (limit: JSON)", file));
   }
-  return parse_json(text, {file, std::filesystem::path{file}.parent_path(), false});
+  return parse_json(text, {.label = file,
+                           .directory = std::filesystem::path{file}.parent_path(),
+                           .open_meshes = false,
+                           .mesh_root = mesh_root});
 }
 
 }  // namespace
@@ -357,7 +395,7 @@ std::optional<FileFormat> file_format_from_name(std::string_view name) {
 }
 
 std::string convert(const std::string& file, const ConvertOptions& options) {
-  return detail::Converter{detail::document_of(file), options}.text();
+  return detail::Converter{detail::document_of(file, options.mesh_root), options}.text();
 }
 
 }  // namespace modsearch

@@ -23,6 +23,7 @@ struct ConvertOptions {
   /// Library, as a file or ID, of a design that names none, or instead of the one it names.
   std::optional<std::string> library{};
   std::filesystem::path folder = ".";  ///< the text will lie here: what it refers to is named relative to it
+  std::optional<std::filesystem::path> mesh_root{};  ///< where meshes are looked for first (FileOptions)
 };
 
 /// `file`, or a built-in library or problem by its ID, as text of another format. What it is is seen from its content:
@@ -36,7 +37,8 @@ struct ConvertOptions {
 /// | design: a list, or an assembly (moduleOrder) | list      | its modules     | assembly     | arm  |
 ///
 /// The modules of a design are those of `frozen`, lengths fixed. Files that are referred to stay where they are; no
-/// mesh is opened for a library or a task. Throws FileError, one sentence, for what cannot be read or cannot be said in
+/// mesh is opened for a library or a task. What Timor and CoBRA ask for and ours need not have is filled in
+/// (docs/formats.md). Throws FileError, one sentence, for what cannot be read or cannot be said in
 /// that format.
 [[nodiscard]] std::string convert(const std::string& file, const ConvertOptions& options);
 

@@ -59,7 +59,15 @@ struct ProblemFile {
   [[nodiscard]] std::shared_ptr<const RobotProblem> instance(Instance instance = {}) const;
 };
 
-/// Reads a module library: Timor's `modules.json` with or without parameters, or the ID of a built-in one ("seed").
+/// How files are read.
+struct FileOptions {
+  /// Folder in which meshes are looked for first, such as the top of the package that a task of CoBRA's belongs to.
+  /// Otherwise, and where it holds no such file: beside the file that names them, then in the folders above.
+  std::optional<std::filesystem::path> mesh_root{};
+};
+
+/// Reads a module library: Timor's `modules.json`, also in its older form of a bare list, with or without parameters,
+/// or the ID of a built-in one ("seed").
 [[nodiscard]] std::shared_ptr<const ModuleLibrary> load_library(const std::string& file_or_id);
 /// What a CoBRA task file describes.
 struct TaskFile {
@@ -72,11 +80,12 @@ struct TaskFile {
 };
 /// Reads a task. What is not supported is named precisely in the FileError. A task without goals is a TaskFile whose
 /// `task` is null.
-[[nodiscard]] TaskFile load_task(const std::filesystem::path& file);
+[[nodiscard]] TaskFile load_task(const std::filesystem::path& file, const FileOptions& options = {});
 /// Reads a problem file, or a built-in one by its ID ("seed/fixed").
-[[nodiscard]] ProblemFile load_problem_file(const std::string& file_or_id);
+[[nodiscard]] ProblemFile load_problem_file(const std::string& file_or_id, const FileOptions& options = {});
 /// The problem, or instance 0:0 of it: load_problem_file(file_or_id).instance(instance).
-[[nodiscard]] std::shared_ptr<const RobotProblem> load_problem(const std::string& file_or_id, Instance instance = {});
+[[nodiscard]] std::shared_ptr<const RobotProblem> load_problem(const std::string& file_or_id, Instance instance = {},
+                                                               const FileOptions& options = {});
 
 /// IDs of the built-in problems and libraries, sorted.
 [[nodiscard]] std::vector<std::string> builtin_problems();
@@ -118,9 +127,11 @@ struct LoadedSolution {
 };
 /// `problem`: overrides the problem named in the file. Throws FileError.
 [[nodiscard]] LoadedSolution load_solution(const std::filesystem::path& file,
-                                           const std::optional<std::string>& problem = std::nullopt);
+                                           const std::optional<std::string>& problem = std::nullopt,
+                                           const FileOptions& options = {});
 
-/// Writes `text` whole or not at all: beside `file`, then renamed; follows links, writes into devices. Throws FileError.
+/// Writes `text` whole or not at all: beside `file`, then renamed; follows links, writes into devices. Throws
+/// FileError.
 void write_file(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace modsearch

@@ -52,10 +52,14 @@ FrozenDesign frozen(const ModuleLibrary& library, const Design& design) {
   for (const Placement& placement : design.modules) {
     const ModuleType& module = library.type(placement.type);
     const bool parametric = module.n_parameters() > 0;
-    ids.push_back(parametric ? fmt::format("{}@{}", module.id, ids.size() + 1) : module.id);
+    const std::string place = parametric ? fmt::format("@{}", ids.size() + 1) : "";
+    ids.push_back(module.id + place);
     const bool known =
         std::any_of(modules.begin(), modules.end(), [&](const auto& each) { return each.id == ids.back(); });
-    if (!known) modules.push_back(frozen_module(module, Eigen::VectorXd(placement.parameters), ids.back()));
+    if (!known) {
+      modules.push_back(frozen_module(module, Eigen::VectorXd(placement.parameters), ids.back()));
+      modules.back().name += place;  // names are told apart like IDs
+    }
   }
   FrozenDesign result;
   result.library = library_of(library, std::move(modules));

@@ -18,10 +18,15 @@ int parameter_index(const JsonCursor& cursor, const ParameterList& parameters, s
     cursor.fail_value(fmt::format("a parameter of this module (known: {})", known.empty() ? "none" : known));
   }
   if (found->unit != unit) {
-    cursor.fail_value(
-        fmt::format("{}, its unit is \"{}\" (limit: \"{}\")", unit == "m" ? "a length" : "an angle", found->unit, unit));
+    cursor.fail_value(fmt::format("{}, its unit is \"{}\" (limit: \"{}\")", unit == "m" ? "a length" : "an angle",
+                                  found->unit, unit));
   }
   return static_cast<int>(found - parameters.begin());
+}
+
+std::string where_it_was_sought(const JsonSource& source) {
+  if (source.mesh_root) return fmt::format(", nor in a folder above, nor below {}", source.mesh_root->string());
+  return ", nor in a folder above (--mesh-root says where else)";
 }
 
 std::shared_ptr<const TriangleMesh> read_mesh(const JsonCursor& parameters) {
@@ -37,10 +42,15 @@ std::shared_ptr<const TriangleMesh> read_mesh(const JsonCursor& parameters) {
       scale.setConstant(given->number(kPositive));
     }
   }
-  const std::filesystem::path path = file.source().directory / file.text();
+  const std::filesystem::path path = mesh_path(file.text(), file.source());
   if (!file.source().open_meshes) {
     const std::vector<Eigen::Vector3d> corners{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
     return std::make_shared<const TriangleMesh>(TriangleMesh{corners, {{0, 1, 2}}, path.string(), scale});
+  }
+  std::error_code none;
+  if (!std::filesystem::exists(path, none)) {
+    file.fail(fmt::format("mesh {} ({}) is missing: there is no such file{}", preview(file.value()), path.string(),
+                          where_it_was_sought(file.source())));
   }
   try {
     return load_mesh(path, scale);
@@ -50,6 +60,22 @@ std::shared_ptr<const TriangleMesh> read_mesh(const JsonCursor& parameters) {
 }
 
 }  // namespace
+
+std::filesystem::path mesh_path(const std::string& named, const JsonSource& source) {
+  constexpr std::string_view kPackage = "package://";
+  const std::filesystem::path name = named.starts_with(kPackage) ? named.substr(kPackage.size()) : named;
+  std::error_code none;
+  if (source.mesh_root && std::filesystem::exists(*source.mesh_root / name, none)) return *source.mesh_root / name;
+  const std::filesystem::path beside = source.directory / name;
+  if (name.is_absolute() || std::filesystem::exists(beside, none)) return beside;
+  // Above the real folder, not above a link to it.
+  std::filesystem::path folder = std::filesystem::weakly_canonical(std::filesystem::absolute(source.directory), none);
+  while (folder.has_relative_path()) {
+    folder = folder.parent_path();
+    if (std::filesystem::is_regular_file(folder / name, none)) return folder / name;
+  }
+  return beside;
+}
 
 AffineScalar read_affine(const JsonCursor& cursor, const ParameterList& parameters, double lower,
                          std::string_view unit) {

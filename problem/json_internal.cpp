@@ -186,7 +186,7 @@ std::string JsonCursor::text() const {
 
 std::string JsonCursor::text_or(const std::string& key, std::string missing) const {
   const std::optional<JsonCursor> found = find(key);
-  return found ? found->text() : std::move(missing);
+  return found && !found->value().is_null() ? found->text() : std::move(missing);
 }
 
 std::size_t JsonCursor::choice(std::initializer_list<std::string_view> choices) const {

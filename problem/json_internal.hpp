@@ -24,6 +24,8 @@ struct JsonSource {
   std::string label;                ///< the file the user gave; "given -> referred" for one that another refers to
   std::filesystem::path directory;  ///< relative paths in the document start here
   bool open_meshes = true;          ///< else one triangle stands in for each
+  /// Where meshes are looked for first, if given; the same for the documents that this one refers to.
+  std::optional<std::filesystem::path> mesh_root{};
 };
 
 /// What a number may be; both ends belong to it. Infinity is never allowed unless said so.
@@ -80,6 +82,7 @@ class JsonCursor {
   [[nodiscard]] std::uint64_t unsigned_integer() const;
   [[nodiscard]] bool boolean() const;
   [[nodiscard]] std::string text() const;
+  /// Where the key is missing or null, which is how Python writes a name that nobody gave: `missing`.
   [[nodiscard]] std::string text_or(const std::string& key, std::string missing) const;
   /// Index into `choices` of a text that has to be one of them.
   [[nodiscard]] std::size_t choice(std::initializer_list<std::string_view> choices) const;
@@ -120,7 +123,8 @@ inline constexpr int kDeepestNesting = 64;
 /// Throws FileError with line and column.
 [[nodiscard]] JsonDocument parse_json(std::string text, JsonSource source);
 /// Reads and parses `file`, which `referrer` refers to where that is not empty.
-[[nodiscard]] JsonDocument load_json(const std::filesystem::path& file, const std::string& referrer = {});
+[[nodiscard]] JsonDocument load_json(const std::filesystem::path& file, const std::string& referrer = {},
+                                     const std::optional<std::filesystem::path>& mesh_root = std::nullopt);
 
 /// Nearest rotation to `R` if every entry of R^T R is within 1e-6 of the identity's and R is no reflection. Entries within
 /// 1e-12 of -1, 0 or 1 are these: that is what a file says that was written with rounding errors (docs/certificates.md).

@@ -206,9 +206,10 @@ JsonDocument parse_json(std::string text, JsonSource source) {
   return {std::make_shared<const JsonSource>(std::move(source)), std::move(root)};
 }
 
-JsonDocument load_json(const std::filesystem::path& file, const std::string& referrer) {
+JsonDocument load_json(const std::filesystem::path& file, const std::string& referrer,
+                       const std::optional<std::filesystem::path>& mesh_root) {
   const std::string label = referrer.empty() ? file.string() : fmt::format("{} -> {}", referrer, file.string());
-  return parse_json(read_text(file, label), {label, file.parent_path()});
+  return parse_json(read_text(file, label), {.label = label, .directory = file.parent_path(), .mesh_root = mesh_root});
 }
 
 }  // namespace modsearch::detail

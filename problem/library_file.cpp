@@ -176,10 +176,15 @@ NeighbourRule read_rule(const JsonCursor& cursor) {
 
 }  // namespace
 
+bool is_list_of_modules(const Json& root) {
+  return root.is_array() && !root.empty() && root[0].is_object() && root[0].contains("header");
+}
+
 std::shared_ptr<const ModuleLibrary> read_library(const JsonCursor& cursor, const std::string& name) {
-  cursor.expect_keys({"modules", "ignore_collisions"});
+  const bool bare = cursor.value().is_array();
+  if (!bare) cursor.expect_keys({"modules", "ignore_collisions"});
   std::vector<ModuleType> modules;
-  const JsonCursor list = cursor.at("modules");
+  const JsonCursor list = bare ? cursor : cursor.at("modules");
   for (const JsonCursor& entry : list.items_or_single()) {
     modules.push_back(read_module(entry));
     for (std::size_t i = 0; i + 1 < modules.size(); ++i) {
@@ -188,27 +193,25 @@ std::shared_ptr<const ModuleLibrary> read_library(const JsonCursor& cursor, cons
       }
     }
   }
-  const std::optional<JsonCursor> rule = cursor.find("ignore_collisions");
+  const std::optional<JsonCursor> rule = bare ? std::nullopt : cursor.find("ignore_collisions");
   const NeighbourRule neighbours = rule ? read_rule(*rule) : NeighbourRule::kViaJoint;
   return list.guard([&] { return std::make_shared<const ModuleLibrary>(name, std::move(modules), neighbours); });
 }
 
-std::shared_ptr<const ModuleLibrary> load_library_from(const std::string& file_or_id,
-                                                       const std::filesystem::path& directory,
-                                                       const std::string& referrer) {
+std::shared_ptr<const ModuleLibrary> load_library_from(const std::string& file_or_id, const JsonSource& referrer) {
   if (const std::optional<std::string_view> text = builtin_library(file_or_id)) {
     const JsonDocument document = parse_json(std::string{*text}, {"built-in library " + file_or_id, {}});
     return read_library(document.cursor(), file_or_id);
   }
-  if (referrer.empty()) require_file_or_id(file_or_id, "library", builtin_libraries());
-  const JsonDocument document = load_json(directory / file_or_id, referrer);
-  return read_library(document.cursor(), (directory / file_or_id).string());
+  if (referrer.label.empty()) require_file_or_id(file_or_id, "library", builtin_libraries());
+  const std::filesystem::path file = referrer.directory / file_or_id;
+  return read_library(load_json(file, referrer.label, referrer.mesh_root).cursor(), file.string());
 }
 
 }  // namespace detail
 
 std::shared_ptr<const ModuleLibrary> load_library(const std::string& file_or_id) {
-  return detail::load_library_from(file_or_id, {}, {});
+  return detail::load_library_from(file_or_id, {});
 }
 
 }  // namespace modsearch

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <modsearch/problem/library_write_internal.hpp>
+#include <modsearch/problem/relative_path_internal.hpp>
 
 namespace modsearch::detail {
 namespace {
@@ -159,11 +160,6 @@ class ModuleWriter {
 }  // namespace
 
 std::string infinity_mark(double limit) { return limit > 0.0 ? kInfinityMark : "-" + kInfinityMark; }
-
-std::string relative_to(const std::filesystem::path& file, const std::filesystem::path& folder) {
-  const std::filesystem::path from = std::filesystem::absolute(folder).lexically_normal();
-  return std::filesystem::absolute(file).lexically_normal().lexically_relative(from).generic_string();
-}
 
 std::string with_bare_infinity(std::string text) {
   const auto replace = [&text](const std::string& mark, std::string_view word) {

@@ -21,7 +21,4 @@ struct LibraryStyle {
 /// `text` with every such mark as Infinity.
 [[nodiscard]] std::string with_bare_infinity(std::string text);
 
-/// `file` as a file in `folder` names it.
-[[nodiscard]] std::string relative_to(const std::filesystem::path& file, const std::filesystem::path& folder);
-
 }  // namespace modsearch::detail

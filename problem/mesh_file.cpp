@@ -1,7 +1,11 @@
+#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
 #include <modsearch/problem/geometry_internal.hpp>
 
@@ -33,11 +37,18 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& X_par
   for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(scene, *node.mChildren[i], X, mesh);
 }
 
+// Kinds of files of which the coordinates are known to come through as they stand in the file. Others would have to be
+// looked at one by one: assimp turns some (3ds, md2), mirrors some (x) and leaves the unit of some aside (3mf, amf).
+constexpr std::array<std::string_view, 7> kKinds{".dae", ".glb", ".gltf", ".obj", ".off", ".ply", ".stl"};
+
 TriangleMesh load_by_assimp(const std::filesystem::path& file, const std::string& extension) {
-  Assimp::Importer importer;
-  if (!importer.IsExtensionSupported(extension)) {
-    throw std::runtime_error(fmt::format("is of a kind that is not supported yet (\"{}\")", extension));
+  if (std::find(kKinds.begin(), kKinds.end(), extension) == kKinds.end()) {
+    throw std::runtime_error(fmt::format("is of a kind that is not supported yet (\"{}\"); limit: .wrl, {}", extension,
+                                         fmt::join(kKinds, ", ")));
   }
+  Assimp::Importer importer;
+  // The unit of a COLLADA file counts, its up axis is a hint for viewers: assimp would turn the mesh until y is up.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
   if (scene == nullptr || scene->mRootNode == nullptr) {
     throw std::runtime_error(fmt::format("cannot be read: {}", importer.GetErrorString()));
@@ -45,6 +56,14 @@ TriangleMesh load_by_assimp(const std::filesystem::path& file, const std::string
   TriangleMesh mesh;
   add_node(*scene, *scene->mRootNode, aiMatrix4x4{}, mesh);
   return mesh;
+}
+
+/// ".stl" of "PART.STL".
+std::string kind_of(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return extension;
 }
 
 }  // namespace
@@ -60,7 +79,7 @@ std::shared_ptr<const TriangleMesh> load_mesh(const std::filesystem::path& file,
     throw std::runtime_error(fmt::format("has {} bytes, which is too many (limit {})", size, kLargestMeshFile));
   }
 
-  const std::string extension = file.extension().string();
+  const std::string extension = kind_of(file);
   auto mesh = std::make_shared<TriangleMesh>(extension == ".wrl" ? load_vrml(file) : load_by_assimp(file, extension));
   if (mesh->triangles.empty()) throw std::runtime_error("holds no triangles (limit: at least 1)");
   if (mesh->triangles.size() > kMostTriangles) {

@@ -12,12 +12,12 @@ namespace {
 TaskFile read_task_of(const JsonCursor& cursor) {
   if (!cursor.value().is_string()) return read_task(cursor);
   const std::filesystem::path file = cursor.source().directory / cursor.text();
-  return read_task(load_json(file, cursor.source().label).cursor());
+  return read_task(load_json(file, cursor.source().label, cursor.source().mesh_root).cursor());
 }
 
 std::shared_ptr<const ModuleLibrary> read_library_of(const JsonCursor& cursor, const std::string& problem) {
   if (!cursor.value().is_string()) return read_library(cursor, problem);
-  return load_library_from(cursor.text(), cursor.source().directory, cursor.source().label);
+  return load_library_from(cursor.text(), cursor.source());
 }
 
 Sampling read_sampling(const JsonCursor& cursor, const std::vector<Goal>& goals) {
@@ -111,18 +111,19 @@ std::shared_ptr<const Scoring> read_scoring(const JsonCursor& cursor) {
 
 }  // namespace detail
 
-ProblemFile load_problem_file(const std::string& file_or_id) {
+ProblemFile load_problem_file(const std::string& file_or_id, const FileOptions& options) {
   if (const std::optional<std::string_view> text = detail::builtin_problem(file_or_id)) {
     const detail::JsonDocument document =
         detail::parse_json(std::string{*text}, {"built-in problem " + file_or_id, {}});
     return detail::read_problem(document.cursor(), file_or_id);
   }
   detail::require_file_or_id(file_or_id, "problem", builtin_problems());
-  return detail::read_problem(detail::load_json(file_or_id).cursor(), file_or_id);
+  return detail::read_problem(detail::load_json(file_or_id, {}, options.mesh_root).cursor(), file_or_id);
 }
 
-std::shared_ptr<const RobotProblem> load_problem(const std::string& file_or_id, Instance instance) {
-  return load_problem_file(file_or_id).instance(instance);
+std::shared_ptr<const RobotProblem> load_problem(const std::string& file_or_id, Instance instance,
+                                                 const FileOptions& options) {
+  return load_problem_file(file_or_id, options).instance(instance);
 }
 
 }  // namespace modsearch

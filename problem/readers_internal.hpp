@@ -16,10 +16,11 @@ void require_file_or_id(const std::filesystem::path& file, std::string_view what
 
 /// `name`: ID or file, kept in the library for messages.
 [[nodiscard]] std::shared_ptr<const ModuleLibrary> read_library(const JsonCursor& cursor, const std::string& name);
-/// A built-in library, or a file relative to `directory` that `referrer` names.
+/// A built-in library, or a file relative to the document `referrer` that names it (one without a label: the user).
 [[nodiscard]] std::shared_ptr<const ModuleLibrary> load_library_from(const std::string& file_or_id,
-                                                                     const std::filesystem::path& directory,
-                                                                     const std::string& referrer);
+                                                                     const JsonSource& referrer);
+/// Whether a document is a library in its older form, a bare list of modules.
+[[nodiscard]] bool is_list_of_modules(const Json& root);
 
 [[nodiscard]] TaskFile read_task(const JsonCursor& cursor);
 /// The task in `text`; `label`: where it comes from, for messages.

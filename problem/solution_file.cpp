@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <modsearch/problem/neighbour_files_internal.hpp>
 #include <modsearch/problem/readers_internal.hpp>
 #include <modsearch/problem/timed_path_internal.hpp>
 
@@ -92,6 +93,7 @@ std::string solution_to_json(const RobotProblem& problem, const SolutionRecord& 
     out["instance"] = {{"seed", record.instance->seed}, {"index", record.instance->index}};
     if (record.target) out["instance"]["target"] = detail::to_json(Eigen::VectorXd(*record.target));
   }
+  out["moduleSet"] = detail::module_set(problem.library());
   detail::add_assembly(problem.library(), record.design, problem.spec().placed_base, out);
   out["basePose"] = ordered_json::array({detail::to_json(record.X_WB)});
   out["design"] = detail::to_json(problem.library(), record.design);
@@ -107,8 +109,9 @@ std::string solution_to_json(const RobotProblem& problem, const SolutionRecord& 
   out["clearance_m"] = finite_or_null(attempt.clearance);
   out["postures"] = rows(attempt.postures);
   if (attempt.path) out["trajectory"] = trajectory(problem, record);
-  out["cost"] = finite_or_null(-evaluation.score);
-  out["costFunction"] = fmt::format("modsearch {}, sign changed", problem.spec().scoring->name());
+  // CoBRA's words for what a solution costs; the score stands above.
+  out["cost"] = problem.chain(record.design.types())->at(record.design.parameters()).mass();
+  out["costFunction"] = "mass";
   out["computationTime"] = record.seconds;
   out["verified"] = record.verified;
   ordered_json options = ordered_json::object();

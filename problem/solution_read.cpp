@@ -24,12 +24,13 @@ std::shared_ptr<const RobotProblem> problem_of(const JsonCursor& root, const std
     if (const std::optional<JsonCursor> target = instance->find("target")) record.target = target->vector(3);
   }
   record.problem = root.text_or("problem", "");
-  if (instead) return load_problem(*instead, record.instance.value_or(Instance{}));
+  const FileOptions options{root.source().mesh_root};
+  if (instead) return load_problem(*instead, record.instance.value_or(Instance{}), options);
   const JsonCursor named = root.at("problem");
   const bool builtin = builtin_problem(record.problem).has_value();
   const std::string file = builtin ? record.problem : (root.source().directory / record.problem).string();
   try {
-    return load_problem(file, record.instance.value_or(Instance{}));
+    return load_problem(file, record.instance.value_or(Instance{}), options);
   } catch (const FileError& error) {
     named.fail(fmt::format("{} cannot be used: {}", preview(named.value()), error.what()));
   }
@@ -147,8 +148,14 @@ Eigen::MatrixXd read_rows(const JsonCursor& cursor, std::size_t n_columns) {
   return result;
 }
 
-std::vector<double> read_times(const JsonCursor& cursor) {
+/// Times of `n` rows: a list, or the step between them.
+std::vector<double> read_times(const JsonCursor& cursor, std::size_t n) {
   std::vector<double> times;
+  if (cursor.value().is_number()) {
+    const double step = cursor.number({.lower = 0.0, .above_lower = true});
+    for (std::size_t i = 0; i < n; ++i) times.push_back(step * static_cast<double>(i));
+    return times;
+  }
   for (const JsonCursor& entry : cursor.items()) {
     times.push_back(entry.number({.lower = 0.0}));
     if (times.size() > 1 && !(times.back() > times[times.size() - 2])) {
@@ -180,10 +187,14 @@ std::vector<int> read_goal_rows(const JsonCursor& cursor, const std::vector<doub
   return rows;
 }
 
+bool has_rows(const JsonCursor& trajectory) {
+  return !trajectory.at("q").value().empty() || !trajectory.at("t").value().empty();
+}
+
 void read_trajectory(const JsonCursor& cursor, const RobotProblem& problem, std::size_t n_joints, Attempt& attempt) {
   cursor.expect_keys({"t", "q", "dq", "ddq", "goal2time"});
-  const std::vector<double> times = read_times(cursor.at("t"));
   const JsonCursor q = cursor.at("q");
+  const std::vector<double> times = read_times(cursor.at("t"), q.items().size());
   attempt.path = Path{read_rows(q, n_joints)};
   const auto n_rows = static_cast<std::size_t>(attempt.path->waypoints.rows());
   if (n_rows != times.size() || n_rows == 0)
@@ -313,7 +324,8 @@ LoadedSolution read_solution(const JsonCursor& root, const std::optional<std::st
   result.claims = ours;
   if (ours) read_claims(root, problem, n_joints, record.evaluation);
   Attempt& attempt = record.evaluation.attempt;
-  if (const std::optional<JsonCursor> trajectory = root.find("trajectory")) {
+  // One without rows says that there is no motion yet: Timor reads no solution without the key.
+  if (const std::optional<JsonCursor> trajectory = root.find("trajectory"); trajectory && has_rows(*trajectory)) {
     read_trajectory(*trajectory, problem, n_joints, attempt);
     if (attempt.postures.rows() > 0) check_path_against_postures(root, attempt);
   }
@@ -327,8 +339,9 @@ LoadedSolution read_solution(const JsonCursor& root, const std::optional<std::st
 }  // namespace
 }  // namespace detail
 
-LoadedSolution load_solution(const std::filesystem::path& file, const std::optional<std::string>& problem) {
-  const detail::JsonDocument document = detail::load_json(file);
+LoadedSolution load_solution(const std::filesystem::path& file, const std::optional<std::string>& problem,
+                             const FileOptions& options) {
+  const detail::JsonDocument document = detail::load_json(file, {}, options.mesh_root);
   return detail::read_solution(document.cursor(), problem);
 }
 

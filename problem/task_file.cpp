@@ -1,73 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <modsearch/problem/geometry_internal.hpp>
 #include <modsearch/problem/readers_internal.hpp>
+#include <modsearch/problem/task_pose_internal.hpp>
 
 namespace modsearch {
 namespace detail {
 namespace {
-
-/// R_TN of one tolerance frame: "nominal", "world", or a pose given in the world, of which only the rotation matters.
-Eigen::Matrix3d read_tolerance_frame(const JsonCursor& cursor, const Eigen::Isometry3d& X_WN) {
-  if (cursor.value().is_array()) return cursor.pose().linear().transpose() * X_WN.linear();
-  const bool nominal = cursor.choice({"nominal", "world"}) == 0;
-  if (nominal) return Eigen::Matrix3d::Identity();
-  return X_WN.linear();
-}
-
-/// The frames of `n` tolerances: one for all, or a list beside them.
-std::vector<Eigen::Matrix3d> read_tolerance_frames(const JsonCursor& pose, const Eigen::Isometry3d& X_WN,
-                                                   std::size_t n) {
-  const std::optional<JsonCursor> cursor = pose.find("toleranceFrame");
-  if (!cursor) return std::vector<Eigen::Matrix3d>(n, Eigen::Matrix3d::Identity());
-  const Json& value = cursor->value();
-  const bool is_matrix =
-      value.is_array() && !value.empty() && value[0].is_array() && !value[0].empty() && value[0][0].is_number();
-  if (!value.is_array() || is_matrix) return std::vector<Eigen::Matrix3d>(n, read_tolerance_frame(*cursor, X_WN));
-  std::vector<Eigen::Matrix3d> frames;
-  if (value.size() != n) cursor->fail(fmt::format("has {} frames for {} projections", value.size(), n));
-  for (const JsonCursor& entry : cursor->items()) frames.push_back(read_tolerance_frame(entry, X_WN));
-  return frames;
-}
-
-constexpr std::array kProjections = {Projection::kX,    Projection::kY,      Projection::kZ,     Projection::kRSph,
-                                     Projection::kRCyl, Projection::kPhiCyl, Projection::kTheta, Projection::kPhiSph,
-                                     Projection::kNx,   Projection::kNy,     Projection::kNz,    Projection::kThetaR};
-
-PoseRegion read_region(const JsonCursor& cursor) {
-  cursor.expect_keys({"nominal", "nominalParent", "toleranceProjection", "tolerance", "toleranceFrame"});
-  const Eigen::Isometry3d X_WN = cursor.at("nominal").pose();
-  if (const std::optional<JsonCursor> parent = cursor.find("nominalParent")) {
-    if (parent->value() != Json("world")) parent->fail_value("\"world\", the only nominalParent that is supported yet");
-  }
-  if (!cursor.has("toleranceProjection") && !cursor.has("tolerance")) {
-    if (const std::optional<JsonCursor> frame = cursor.find("toleranceFrame")) {
-      frame->fail("a toleranceFrame needs toleranceProjection and tolerance");
-    }
-    return PoseRegion::with_default_tolerances(X_WN);
-  }
-  const std::vector<JsonCursor> projections = cursor.at("toleranceProjection").items();
-  const JsonCursor intervals_list = cursor.at("tolerance");
-  const std::vector<JsonCursor> intervals = intervals_list.items();
-  if (intervals.size() != projections.size()) {
-    intervals_list.fail(fmt::format("has {} intervals for {} projections", intervals.size(), projections.size()));
-  }
-  const std::vector<Eigen::Matrix3d> frames = read_tolerance_frames(cursor, X_WN, projections.size());
-  std::vector<Tolerance> tolerances;
-  for (std::size_t i = 0; i < projections.size(); ++i) {
-    const std::size_t which = projections[i].choice(
-        {"x", "y", "z", "r_sph", "r_cyl", "phi_cyl", "theta", "phi_sph", "N_x", "N_y", "N_z", "Theta_R"});
-    const std::vector<JsonCursor> ends = intervals[i].items(2);
-    Tolerance tolerance{kProjections[which], ends[0].number(), ends[1].number(), frames[i]};
-    if (tolerance.lower > tolerance.upper)
-      ends[1].fail_value(fmt::format("at least {}, the lower end", tolerance.lower));
-    tolerances.push_back(tolerance);
-  }
-  return cursor.guard([&] { return PoseRegion{X_WN, std::move(tolerances)}; });
-}
 
 /// Times and the poses that move the whole obstacle; when they make no motion, Scene says so.
 Keyframes read_motion(const JsonCursor& cursor) {
@@ -97,77 +38,50 @@ Obstacle read_obstacle(const JsonCursor& cursor) {
   return obstacle;
 }
 
-/// A base within tolerances: intervals of x, y and z, all in one frame, and of the turn about its own z axis (N_z or
-/// Theta_R). What is not listed stays at its nominal value.
-BasePlacement read_base(const JsonCursor& cursor) {
-  const PoseRegion region = read_region(cursor);
-  const std::vector<JsonCursor> projections = cursor.at("toleranceProjection").items();
-  BasePlacement base;
-  base.X_WN = region.nominal();
-  bool has_frame = false;
-  for (std::size_t i = 0; i < projections.size(); ++i) {
-    const Tolerance& tolerance = region.tolerances()[i];
-    const BasePlacement::Interval interval{tolerance.lower, tolerance.upper};
-    const JsonCursor place = cursor.at("tolerance").items()[i];
-    if (!std::isfinite(interval.lower) || !std::isfinite(interval.upper)) place.fail_value("two finite ends");
-    const bool slides = tolerance.projection <= Projection::kZ;
-    if (slides && has_frame && tolerance.R_TN != base.R_TN) {
-      projections[i].fail("a base that is placed along axes of two frames is not supported yet");
-    }
-    if (slides) {
-      base.R_TN = tolerance.R_TN;
-      has_frame = true;
-    }
-    switch (tolerance.projection) {
-      case Projection::kX:
-        base.x = interval;
-        break;
-      case Projection::kY:
-        base.y = interval;
-        break;
-      case Projection::kZ:
-        base.z = interval;
-        break;
-      case Projection::kNz:
-        base.yaw = interval;
-        break;
-      case Projection::kThetaR:
-        if (interval.lower > 0.0 || interval.upper < 0.0) place.fail_value("an interval that holds 0");
-        base.yaw = {-interval.upper, interval.upper};
-        break;
-      case Projection::kNx:
-      case Projection::kNy:
-        if (interval.lower > 0.0 || interval.upper < 0.0) place.fail_value("an interval that holds 0");
-        break;
-      case Projection::kRCyl:
-      case Projection::kPhiCyl:
-      case Projection::kRSph:
-      case Projection::kTheta:
-      case Projection::kPhiSph:
-        projections[i].fail_value("one of \"x\", \"y\", \"z\", \"N_x\", \"N_y\", \"N_z\", \"Theta_R\" for a base");
-    }
-  }
-  return base;
-}
-
 /// What the constraints of a task say, as far as it is not the problem's `collision` and `library` that decide.
 struct Constraints {
-  std::optional<Eigen::Isometry3d> X_WB;
-  std::optional<BasePlacement> base;
+  std::optional<BaseOfTask> base;
   bool torques = false;  // "tau" is among the joints' parts
   bool all_in_any_order = false;
   std::vector<std::string> order;  // goal IDs
   std::optional<JsonCursor> order_place;
 };
 
-void read_constraint(const JsonCursor& cursor, Constraints& constraints) {
+/// Whether "tau" is among the parts of a constraint of the joints.
+bool read_joint_parts(const JsonCursor& cursor) {
+  cursor.expect_keys({"type", "parts"});
+  bool torques = false;
+  for (const JsonCursor& part : cursor.at("parts").items()) {
+    if (part.choice({"q", "dq", "ddq", "tau"}) == 3) torques = true;
+  }
+  return torques;
+}
+
+/// A constraint of the end effector along the whole motion, which nothing here looks at: accepted only where it says
+/// nothing.
+void read_end_effector(const JsonCursor& cursor) {
+  cursor.expect_keys({"type", "pose", "v_min", "v_max", "o_min", "o_max"});
+  if (const std::optional<JsonCursor> pose = cursor.find("pose")) {
+    pose->fail("holding the end effector within a pose along the motion is not supported yet");
+  }
+  for (const auto& [key, what] : {std::pair{"v_min", "speed"}, std::pair{"v_max", "speed"},
+                                  std::pair{"o_min", "rate of turn"}, std::pair{"o_max", "rate of turn"}}) {
+    const std::optional<JsonCursor> limit = cursor.find(key);
+    if (!limit) continue;
+    const double value = limit->number({.allow_infinity = true});
+    const bool least = std::string_view{key}.ends_with("min");
+    if (least ? value <= 0.0 : value == std::numeric_limits<double>::infinity()) continue;
+    limit->fail(fmt::format("a limit of the end effector's {} along the motion is not supported yet", what));
+  }
+}
+
+void read_constraint(const JsonCursor& cursor, const TaskFrames& frames, Constraints& constraints) {
+  if (cursor.value() == Json::object()) return;  // Timor 1.1.1 writes one that always holds as nothing
   switch (cursor.at("type").choice({"joint", "selfCollisionFree", "collisionFree", "allGoalsFulfilled", "validAssembly",
-                                    "allGoalsFulfilledInOrder", "basePlacement", "endEffector"})) {
+                                    "allGoalsFulfilledInOrder", "basePlacement", "endEffector", "alwaysTrue",
+                                    "goalsBySameRobot"})) {
     case 0:
-      cursor.expect_keys({"type", "parts"});
-      for (const JsonCursor& part : cursor.at("parts").items()) {
-        if (part.choice({"q", "dq", "ddq", "tau"}) == 3) constraints.torques = true;
-      }
+      if (read_joint_parts(cursor)) constraints.torques = true;
       return;
     case 3:
       constraints.all_in_any_order = true;
@@ -175,6 +89,7 @@ void read_constraint(const JsonCursor& cursor, Constraints& constraints) {
     case 1:
     case 2:
     case 4:
+    case 8:
       cursor.expect_keys({"type"});
       return;
     case 5:
@@ -185,57 +100,66 @@ void read_constraint(const JsonCursor& cursor, Constraints& constraints) {
       return;
     case 6: {
       cursor.expect_keys({"type", "pose"});
-      if (constraints.X_WB) cursor.fail("the base is placed twice (limit 1)");
-      const JsonCursor pose = cursor.at("pose");
-      if (pose.value().is_array()) {
-        constraints.X_WB = pose.pose();
-        return;
-      }
-      constraints.X_WB = pose.at("nominal").pose();
-      if (pose.has("toleranceProjection") || pose.has("tolerance")) {
-        constraints.base = read_base(pose);
-      } else {
-        pose.expect_keys({"nominal"});
-      }
+      if (constraints.base) cursor.fail("the base is placed twice (limit 1)");
+      constraints.base = read_base(cursor.at("pose"), frames);
       return;
     }
+    case 7:
+      return read_end_effector(cursor);
     default:
-      cursor.at("type").fail("constraints of type \"endEffector\" are not supported yet");
+      cursor.expect_keys({"type", "goals"});  // there is one robot
   }
 }
 
 /// A goal's own constraints: those that hold for the whole task anyway.
 void read_goal_constraints(const JsonCursor& list) {
   for (const JsonCursor& entry : list.items_or_single()) {
-    switch (entry.at("type").choice({"joint", "selfCollisionFree", "collisionFree", "endEffector"})) {
+    if (entry.value() == Json::object()) continue;
+    switch (entry.at("type").choice({"joint", "selfCollisionFree", "collisionFree", "alwaysTrue", "endEffector"})) {
       case 0:
-        entry.expect_keys({"type", "parts"});
-        for (const JsonCursor& part : entry.at("parts").items())
-          static_cast<void>(part.choice({"q", "dq", "ddq", "tau"}));
+        static_cast<void>(read_joint_parts(entry));
         break;
-      case 1:
-      case 2:
-        entry.expect_keys({"type"});
+      case 4:
+        read_end_effector(entry);
         break;
       default:
-        entry.at("type").fail("constraints of type \"endEffector\" are not supported yet");
+        entry.expect_keys({"type"});
     }
   }
 }
 
-Wrench read_wrench(const JsonCursor& goal) {
+/// What acts on the tip, turned into the axes of the world.
+Wrench read_wrench(const JsonCursor& goal, const TaskFrames& frames) {
+  const std::optional<JsonCursor> frame = goal.find("forceTorqueReferenceFrame");
+  const Eigen::Matrix3d R_WF = frame ? frames.at(*frame).linear() : Eigen::Matrix3d{Eigen::Matrix3d::Identity()};
   Wrench wrench;
-  if (const std::optional<JsonCursor> force = goal.find("externalForce")) wrench.force = force->vector(3);
-  if (const std::optional<JsonCursor> torque = goal.find("externalTorque")) wrench.torque = torque->vector(3);
+  if (const std::optional<JsonCursor> force = goal.find("externalForce")) wrench.force = R_WF * force->vector(3);
+  if (const std::optional<JsonCursor> torque = goal.find("externalTorque")) wrench.torque = R_WF * torque->vector(3);
   return wrench;
 }
 
-Trajectory read_trajectory(const JsonCursor& cursor) {
+/// Times of `n` rows: a list, or the step between them.
+std::vector<double> read_times(const JsonCursor& cursor, std::size_t n) {
+  std::vector<double> times;
+  if (cursor.value().is_number()) {
+    const double step = cursor.number({.lower = 0.0, .above_lower = true});
+    for (std::size_t i = 0; i < n; ++i) times.push_back(step * static_cast<double>(i));
+  } else if (!cursor.value().empty()) {
+    for (const JsonCursor& time : cursor.items()) times.push_back(time.number());
+  }
+  return times;
+}
+
+Trajectory read_trajectory(const JsonCursor& cursor, const TaskFrames& frames) {
+  for (const char* joints : {"q", "dq", "ddq", "goal2time"}) {
+    if (!cursor.has(joints)) continue;
+    cursor.at(joints).fail("a goal asks for a trajectory of the end effector's poses, not of the joints'");
+  }
   cursor.expect_keys({"pose", "t"});
   Trajectory trajectory;
-  for (const JsonCursor& pose : cursor.at("pose").items()) trajectory.poses.push_back(read_region(pose));
-  if (const std::optional<JsonCursor> times = cursor.find("t"); times && !times->value().empty()) {
-    for (const JsonCursor& time : times->items()) trajectory.times.push_back(time.number());
+  for (const JsonCursor& pose : cursor.at("pose").items()) trajectory.poses.push_back(read_region(pose, frames));
+  if (const std::optional<JsonCursor> times = cursor.find("t"); times && !times->value().is_null()) {
+    trajectory.times = read_times(*times, trajectory.poses.size());
   }
   return trajectory;
 }
@@ -247,45 +171,50 @@ struct Doings {
 };
 
 /// Appends one goal of the file; those that a return refers to are looked up later, when all are known.
-void read_goal(const JsonCursor& cursor, Doings& doings) {
+void read_goal(const JsonCursor& cursor, TaskFrames& frames, Doings& doings) {
   const std::size_t type = cursor.at("type").choice({"at", "reach", "returnTo", "pause", "follow"});
   TaskStep step{.id = cursor.at("ID").text()};
   if (const std::optional<JsonCursor> constraints = cursor.find("constraints")) read_goal_constraints(*constraints);
   switch (type) {
     case 2:
-      cursor.expect_keys({"ID", "type", "constraints", "returnToGoal", "externalForce", "externalTorque"});
+      cursor.expect_keys({"ID", "type", "constraints", "returnToGoal", "externalForce", "externalTorque",
+                          "forceTorqueReferenceFrame"});
       step.kind = TaskStep::Kind::kReturn;
       step.goal = -1;
       break;
     case 3:
-      cursor.expect_keys({"ID", "type", "constraints", "duration", "externalForce", "externalTorque"});
+      cursor.expect_keys(
+          {"ID", "type", "constraints", "duration", "externalForce", "externalTorque", "forceTorqueReferenceFrame"});
       step.kind = TaskStep::Kind::kPause;
       step.duration = cursor.at("duration").number({.lower = 0.0});
       break;
     case 4: {
-      cursor.expect_keys({"ID", "type", "constraints", "trajectory", "externalForce", "externalTorque"});
+      cursor.expect_keys(
+          {"ID", "type", "constraints", "trajectory", "externalForce", "externalTorque", "forceTorqueReferenceFrame"});
       FollowStep following = cursor.guard([&] {
-        return follow(step.id, read_trajectory(cursor.at("trajectory")), static_cast<int>(doings.goals.size()),
-                      read_wrench(cursor));
+        return follow(step.id, read_trajectory(cursor.at("trajectory"), frames), static_cast<int>(doings.goals.size()),
+                      read_wrench(cursor, frames));
       });
       doings.goals.insert(doings.goals.end(), following.goals.begin(), following.goals.end());
       step = std::move(following.step);
       break;
     }
     default:
-      cursor.expect_keys({"ID", "type", "constraints", "goalPose", "externalForce", "externalTorque"});
+      cursor.expect_keys(
+          {"ID", "type", "constraints", "goalPose", "externalForce", "externalTorque", "forceTorqueReferenceFrame"});
       step.goal = static_cast<int>(doings.goals.size());
-      doings.goals.push_back({step.id, type == 0 ? GoalType::kAt : GoalType::kReach, read_region(cursor.at("goalPose")),
-                              read_wrench(cursor)});
+      doings.goals.push_back({step.id, type == 0 ? GoalType::kAt : GoalType::kReach,
+                              read_region(cursor.at("goalPose"), frames), read_wrench(cursor, frames)});
+      frames.add_goal(step.id, doings.goals.back().region.nominal());
   }
   doings.steps.push_back(std::move(step));
 }
 
-Doings read_goals(const JsonCursor& list) {
+Doings read_goals(const JsonCursor& list, TaskFrames& frames) {
   Doings doings;
   const std::vector<JsonCursor> entries = list.items_or_single();
   for (const JsonCursor& entry : entries) {
-    read_goal(entry, doings);
+    read_goal(entry, frames, doings);
     const TaskStep& added = doings.steps.back();
     const auto same = std::count_if(doings.steps.begin(), doings.steps.end(),
                                     [&](const TaskStep& other) { return other.id == added.id; });
@@ -342,10 +271,20 @@ std::vector<Goal> sorted_goals(const std::vector<Goal>& goals, std::vector<TaskS
   return result;
 }
 
+Scene read_obstacles(const JsonCursor& list) {
+  std::vector<Obstacle> obstacles;
+  for (const JsonCursor& entry : list.items_or_single()) {
+    obstacles.push_back(read_obstacle(entry));
+    // One obstacle at a time, so that a refusal names it.
+    static_cast<void>(entry.guard([&] { return Scene{{obstacles.back()}}; }));
+  }
+  return Scene{std::move(obstacles)};
+}
+
 }  // namespace
 
 TaskFile read_task(const JsonCursor& cursor) {
-  cursor.expect_keys({"header", "obstacles", "constraints", "goals", "objects", "home", "payload"});
+  cursor.expect_keys({"header", "obstacles", "constraints", "goals", "objects", "frames", "home", "payload"});
   TaskFile result;
   const JsonCursor header = cursor.at("header");
   header.expect_keys({"ID", "version", "taskName", "timeStepSize", "gravity"});
@@ -359,27 +298,26 @@ TaskFile read_task(const JsonCursor& cursor) {
   if (const std::optional<JsonCursor> gravity = header.find("gravity")) statics.gravity = gravity->vector(3);
   statics.payload = cursor.number_or("payload", 0.0, {.lower = 0.0});
   if (const std::optional<JsonCursor> objects = cursor.find("objects")) {
-    if (!objects->value().empty()) objects->fail("\"objects\" may only be empty (limit 0 entries)");
-  }
-
-  std::vector<Obstacle> obstacles;
-  if (const std::optional<JsonCursor> list = cursor.find("obstacles")) {
-    for (const JsonCursor& entry : list->items_or_single()) {
-      obstacles.push_back(read_obstacle(entry));
-      // One obstacle at a time, so that a refusal names it.
-      static_cast<void>(entry.guard([&] { return Scene{{obstacles.back()}}; }));
+    if (!objects->value().empty()) {
+      objects->fail("\"objects\" may only be empty (limit 0 entries): moving them is not supported yet");
     }
   }
-  result.scene = std::make_shared<const Scene>(std::move(obstacles));
 
+  const std::optional<JsonCursor> obstacles = cursor.find("obstacles");
+  result.scene = std::make_shared<const Scene>(obstacles ? read_obstacles(*obstacles) : Scene{});
+
+  const std::optional<JsonCursor> named = cursor.find("frames");
+  TaskFrames frames = named ? TaskFrames{*named} : TaskFrames{};
+  Doings doings = read_goals(cursor.at("goals"), frames);
   Constraints constraints;
   if (const std::optional<JsonCursor> list = cursor.find("constraints")) {
-    for (const JsonCursor& entry : list->items_or_single()) read_constraint(entry, constraints);
+    for (const JsonCursor& entry : list->items_or_single()) read_constraint(entry, frames, constraints);
   }
-  if (constraints.X_WB) result.X_WB = *constraints.X_WB;
-  if (constraints.base && !constraints.base->fixed()) result.base = constraints.base;
+  if (constraints.base) {
+    result.X_WB = constraints.base->X_WB;
+    result.base = constraints.base->placement;
+  }
   statics.limited = constraints.torques;
-  Doings doings = read_goals(cursor.at("goals"));
   GoalTaskSpec task{.name = id};
   task.steps = ordered(doings.steps, constraints);
   task.goals = sorted_goals(doings.goals, task.steps);
@@ -406,6 +344,8 @@ TaskFile read_task_text(std::string text, const std::string& label) {
 
 }  // namespace detail
 
-TaskFile load_task(const std::filesystem::path& file) { return detail::read_task(detail::load_json(file).cursor()); }
+TaskFile load_task(const std::filesystem::path& file, const FileOptions& options) {
+  return detail::read_task(detail::load_json(file, {}, options.mesh_root).cursor());
+}
 
 }  // namespace modsearch

@@ -5,12 +5,24 @@
 #include <modsearch/kinematics/arm.hpp>
 #include <modsearch/kinematics/inertial.hpp>
 #include <modsearch/problem/markup.hpp>
+#include <modsearch/problem/relative_path_internal.hpp>
 #include <modsearch/problem/urdf.hpp>
+#include <optional>
+#include <stdexcept>
 
 namespace modsearch {
 namespace {
 
 constexpr double kUnlimited = 1e9;  // URDF has no word for it
+
+/// A name as an attribute has it. Throws std::invalid_argument for one that XML cannot hold.
+std::string attribute(std::string_view what, const std::string& name) {
+  if (const std::optional<std::string> character = not_in_markup(name)) {
+    throw std::invalid_argument(fmt::format("the name of {} '{}' has the character {}, which XML cannot hold", what,
+                                            markup_safe(name), *character));
+  }
+  return markup_safe(name);
+}
 
 /// Three numbers as attributes have them; -0 reads as a slip of the pen.
 std::string triple(const Eigen::Vector3d& v) { return fmt::format("{} {} {}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); }
@@ -56,10 +68,8 @@ struct Primitives {
     return result;
   }
   std::vector<Primitive> operator()(const Mesh& mesh) const {
-    const std::filesystem::path file = std::filesystem::absolute(mesh.triangles->source).lexically_normal();
-    const std::filesystem::path from = std::filesystem::absolute(folder).lexically_normal();
-    return {{fmt::format("<mesh filename=\"{}\" scale=\"{}\"/>",
-                         markup_safe(file.lexically_relative(from).generic_string()), triple(mesh.triangles->scale))}};
+    const std::string file = attribute("mesh", detail::relative_to(mesh.triangles->source, folder));
+    return {{fmt::format("<mesh filename=\"{}\" scale=\"{}\"/>", file, triple(mesh.triangles->scale))}};
   }
 };
 
@@ -96,7 +106,7 @@ std::string link_element(const Arm& arm, int frame, const UrdfOptions& options) 
   std::string geometry;
   for (const ArmGeometry& each : arm.geometries()) {
     if (each.frame != frame) continue;
-    const std::string name = markup_safe(arm.chain().bodies()[static_cast<std::size_t>(each.body)].name);
+    const std::string name = attribute("body", arm.chain().bodies()[static_cast<std::size_t>(each.body)].name);
     for (const Primitive& primitive : std::visit(Primitives{options.folder}, each.shape)) {
       for (const char* use : {"visual", "collision"}) {
         geometry += fmt::format("    <{} name=\"{}\">\n      {}\n      <geometry>{}</geometry>\n    </{}>\n", use, name,
@@ -141,7 +151,7 @@ std::string joint_element(const Arm& arm, int j, const ModuleJoint& source) {
   std::string text = fmt::format(
       "  <joint name=\"{}\" type=\"{}\">\n    {}\n    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n"
       "    <axis xyz=\"0 0 1\"/>\n{}",
-      markup_safe(joint.name), type_name(joint.type), origin(arm.segment(j)), link_name(j), link_name(j + 1),
+      attribute("joint", joint.name), type_name(joint.type), origin(arm.segment(j)), link_name(j), link_name(j + 1),
       limit_element(joint));
   if (source.friction_viscous > 0.0 || source.friction_coulomb > 0.0) {
     text += fmt::format("    <dynamics damping=\"{}\" friction=\"{}\"/>\n", source.friction_viscous,
@@ -159,8 +169,8 @@ std::string to_urdf(const ModuleLibrary& library, const Design& design, const Ur
   const Arm arm = chain.at(design.parameters());
   const std::map<std::string, const ModuleJoint*> sources = joints_by_name(library, design);
 
-  std::string text =
-      fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <link name=\"world\"/>\n", markup_safe(options.name));
+  std::string text = fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <link name=\"world\"/>\n",
+                                 attribute("robot", options.name));
   text += fixed_joint("world_to_base", "world", link_name(0), options.X_WB);
   text += link_element(arm, 0, options);
   for (int j = 0; j < chain.n_joints(); ++j) {

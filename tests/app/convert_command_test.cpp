@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/command.hpp"
@@ -37,6 +39,41 @@ TEST(ConvertCommand, SaysInOneSentenceWhatCannotBeWrittenAndWritesNothing) {
   EXPECT_EQ(refused.status, 2);
   EXPECT_THAT(refused.err, HasSubstr("a library cannot be written as urdf: it is no single arm"));
   EXPECT_FALSE(std::filesystem::exists(folder / "arm.urdf"));
+}
+
+/// A file of `folder` with this text.
+void write_text(const std::string& file, const std::string& text) {
+  std::filesystem::create_directories(std::filesystem::path{file}.parent_path());
+  std::ofstream{file} << text;
+}
+
+TEST(MeshRoot, IsWhereMeshesAreLookedForFirst) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(modsearch({"convert", "seed/fixed", folder / "problem.json"}, folder).status, 0);
+  json problem = json::parse(read_text(folder / "problem.json"));
+  const json mesh = {{"type", "mesh"}, {"parameters", {{"file", "assets/part.obj"}}}};
+  problem["task"]["obstacles"] = {{{"ID", "part"}, {"collision", {mesh}}}};
+  write_text(folder / "tasks/problem.json", problem.dump());
+  write_text(folder / "tasks/design.json", "[]");
+  // One triangle, 7 m away from the base.
+  write_text(folder / "package/assets/part.obj", "v 7 0 0\nv 8 0 0\nv 7 1 0\nf 1 2 3\n");
+  const std::vector<std::string> evaluate{"evaluate", folder / "tasks/problem.json", folder / "tasks/design.json"};
+  EXPECT_THAT(modsearch(evaluate, folder).err, HasSubstr("(--mesh-root says where else)"));
+  std::vector<std::string> there = evaluate;
+  there.insert(there.end(), {"--mesh-root", folder / "package"});
+  EXPECT_EQ(modsearch(there, folder).status, 0);
+  there.back() = folder / "nowhere";
+  const Outcome refused = modsearch(there, folder);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--mesh-root "));
+  // A converted file names the mesh from its own folder and needs the option no more.
+  write_text(folder / "moved/design.json", "[]");
+  EXPECT_EQ(modsearch({"convert", folder / "tasks/problem.json", folder / "moved/problem.json", "--mesh-root",
+                       folder / "package"},
+                      folder)
+                .status,
+            0);
+  EXPECT_EQ(modsearch({"evaluate", folder / "moved/problem.json", folder / "moved/design.json"}, folder).status, 0);
 }
 
 TEST(Generate, WritesTasksAndProblemsThatAreTheSameEveryTime) {

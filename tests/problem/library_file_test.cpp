@@ -156,5 +156,22 @@ TEST(LibraryFile, ReadsTheNeighbourRule) {
   EXPECT_EQ(load_library(folder.write("b.json", library.dump()).string())->neighbour_rule(), NeighbourRule::kViaJoint);
 }
 
+// Timor's libraries once were the list alone.
+TEST(LibraryFile, MayBeTheBareListOfItsModules) {
+  const TemporaryFolder folder;
+  const json list = json::parse(text_of(kSeed))["modules"];
+  const auto library = load_library(folder.write("list.json", list.dump()).string());
+  EXPECT_EQ(library->n_types(), load_library("seed")->n_types());
+  json broken = list;
+  broken[1]["bodies"][0]["mass"] = -1;
+  try {
+    static_cast<void>(load_library(folder.write("list.json", broken.dump()).string()));
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string{error.what()}.find("at /1/bodies/0/mass: -1 is not at least 0"), std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace modsearch

@@ -88,7 +88,10 @@ TEST_F(SolutionFile, HasCobrasKeys) {
   EXPECT_EQ(text["moduleConnection"], (json::array({json::array({0, "out", 1, "in"})})));
   EXPECT_EQ(text["baseConnection"], (json::array({json::array({0, "base"})})));
   EXPECT_EQ(text["basePose"].size(), 1U);
-  EXPECT_NEAR(text["cost"].get<double>(), -341.9148, 1e-4);
+  // 1 kg per metre of seed's modules, beside a base that weighs nothing.
+  EXPECT_EQ(text["costFunction"], "mass");
+  EXPECT_NEAR(text["cost"].get<double>(), record_.design.modules[0].parameters.sum(), 1e-12);
+  EXPECT_EQ(text["moduleSet"], "seed");
   EXPECT_EQ(text["computationTime"], 0.25);
   EXPECT_TRUE(text["clearance_m"].is_null());
 }

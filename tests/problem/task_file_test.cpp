@@ -140,8 +140,10 @@ TEST_F(RecordedTask, OfATrajectoryKeepsEveryPoseAndAFewAsGoals) {
 }
 
 TEST_F(RecordedTask, ThatNeedsMoreIsRefusedByTheNameOfWhatIsMissing) {
-  EXPECT_THAT(refusal(folder_ / "industrial/drilling_crok_description.json"),
-              HasSubstr("at /goals/0/constraints/0/type: constraints of type \"endEffector\" are not supported yet"));
+  EXPECT_THAT(
+      refusal(folder_ / "industrial/drilling_crok_description.json"),
+      HasSubstr("at /goals/0/constraints/0/pose: holding the end effector within a pose along the motion is not "
+                "supported yet"));
 }
 
 TEST(TaskFile, GivesAPoseWithoutTolerancesOneMillimetreAndHalfADegree) {
@@ -315,6 +317,205 @@ TEST(TaskFile, AcceptsTheConstraintsThatTheProblemDecides) {
   text["goals"][0]["constraints"] = json::array();
   text["objects"] = json::array();
   EXPECT_EQ(load(text).goals.size(), 1U);
+}
+
+/// A task with a base in `pose`.
+TaskFile with_base(const json& pose) {
+  json text = task({reach("a", 1.0)});
+  text["constraints"] = {{{"type", "basePlacement"}, {"pose", pose}}};
+  return load(text);
+}
+
+constexpr double kHalfDegree = std::numbers::pi / 360.0;
+
+// CoBRA: what is not listed is free. A list of x, y and z alone says nothing of the rotation.
+TEST(BaseOfTask, IsFreeToTurnWhereItsTolerancesSayNothingOfTurning) {
+  const TaskFile file = with_base({{"nominal", matrix(0, 0, 0)},
+                                   {"toleranceProjection", {"x", "y", "z"}},
+                                   {"tolerance", {{-1.0, 1.0}, {-1.0, 1.0}, {-0.001, 0.001}}},
+                                   {"frame", {"nominal", "nominal", "nominal"}}});
+  ASSERT_TRUE(file.base.has_value());
+  EXPECT_EQ(file.base->x.lower, -1.0);
+  EXPECT_EQ(file.base->y.upper, 1.0);
+  EXPECT_EQ(file.base->z.upper, 0.0) << "a millimetre is how exactly it is mounted";
+  EXPECT_EQ(file.base->yaw.lower, -std::numbers::pi);
+  EXPECT_EQ(file.base->yaw.upper, std::numbers::pi);
+}
+
+TEST(BaseOfTask, WithinTheDefaultToleranceIsFixed) {
+  const TaskFile file =
+      with_base({{"nominal", matrix(1, 2, 0)},
+                 {"toleranceProjection", {"x", "y", "z", "Theta_R"}},
+                 {"tolerance", {{-0.001, 0.001}, {-0.001, 0.001}, {-0.001, 0.001}, {0.0, kHalfDegree}}}});
+  EXPECT_FALSE(file.base.has_value());
+  EXPECT_EQ(file.X_WB.translation(), (Eigen::Vector3d{1, 2, 0}));
+  const TaskFile ball = with_base({{"nominal", matrix(1, 2, 0)},
+                                   {"toleranceProjection", {"r_sph", "N_z"}},
+                                   {"tolerance", {{0.0, 0.001}, {-kHalfDegree, kHalfDegree}}}});
+  EXPECT_FALSE(ball.base.has_value());
+}
+
+TEST(BaseOfTask, TurnsAsFarAsAllOfItsTolerancesLeave) {
+  const TaskFile file = with_base({{"nominal", matrix(0, 0, 0)},
+                                   {"toleranceProjection", {"N_z", "Theta_R"}},
+                                   {"tolerance", {{-0.2, 2.0}, {0.0, 0.5}}}});
+  ASSERT_TRUE(file.base.has_value());
+  EXPECT_EQ(file.base->yaw.lower, -0.2);
+  EXPECT_EQ(file.base->yaw.upper, 0.5);
+}
+
+// With R_WN = Rz(90 degrees), x of the nominal frame is y of the world: 0.5 m along it from (1, 2, 0) is (1, 2.5, 0).
+TEST(BaseOfTask, StandsWhereIntervalsWithoutWidthPutIt) {
+  const TaskFile file = with_base({{"nominal", {{0, -1, 0, 1}, {1, 0, 0, 2}, {0, 0, 1, 0}, {0, 0, 0, 1}}},
+                                   {"toleranceProjection", {"x", "Theta_R"}},
+                                   {"tolerance", {{0.5, 0.5}, {0.0, 0.0}}}});
+  EXPECT_FALSE(file.base.has_value());
+  EXPECT_LT((file.X_WB.translation() - Eigen::Vector3d{1.0, 2.5, 0.0}).norm(), 1e-15);
+}
+
+TEST(BaseOfTask, InABallIsRefusedByName) {
+  const json pose = {{"nominal", matrix(0, 0, 0)},
+                     {"toleranceProjection", json::array({"r_sph"})},
+                     {"tolerance", json::array({{0.0, 0.5}})}};
+  try {
+    static_cast<void>(with_base(pose));
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("not yet in a cylinder or a ball"));
+  }
+}
+
+/// What Timor 1.1.1 writes: names that are null, frames, the frame of a tolerance under another name, constraints that
+/// always hold as empty objects, ends that are infinite.
+json task_as_timor_writes_it() {
+  json text = task({reach("a", 1.0)});
+  text["header"]["author"] = {"A"};
+  text["header"]["date"] = "2026-01-31";
+  text["header"]["taskName"] = nullptr;
+  text["frames"] = json::object();
+  const json geometry = {{"type", "sphere"}, {"parameters", {{"r", 0.1}}}, {"pose", matrix(1, 2, 3)}};
+  text["obstacles"] = {{{"ID", "ball"}, {"name", nullptr}, {"collision", {geometry}}}};
+  text["constraints"] = {json::object(), {{"type", "alwaysTrue"}}};
+  text["goals"][0]["constraints"] = json::array();
+  text["goals"][0]["goalPose"] = {{"nominal", matrix(1, 0, 1)},
+                                  {"toleranceProjection", {"x", "y"}},
+                                  {"tolerance", {{-0.5, 0.5}, {0, 0.25}}},
+                                  {"frame", {"world", "nominal"}}};
+  return text;
+}
+
+TEST(TaskFile, ReadsWhatTimorWritesToday) {
+  const TaskFile file = load(task_as_timor_writes_it());
+  EXPECT_EQ(file.scene->obstacles()[0].name, "ball") << "a name that nobody gave is the ID";
+  ASSERT_EQ(file.goals[0].region.tolerances().size(), 2U);
+  EXPECT_EQ(file.goals[0].region.tolerances()[1].upper, 0.25);
+}
+
+// Timor writes what came without tolerances with empty lists of them.
+TEST(TaskFile, TakesEmptyListsOfTolerancesForNone) {
+  json pose = {{"nominal", matrix(1, 0, 1)},
+               {"toleranceProjection", json::array()},
+               {"tolerance", json::array()},
+               {"toleranceFrame", json::array()}};
+  json text = task({reach("a", 1.0)});
+  text["goals"][0]["goalPose"] = pose;
+  EXPECT_EQ(load(text).goals[0].region.tolerances().size(),
+            load(task({reach("a", 1.0)})).goals[0].region.tolerances().size());
+  EXPECT_FALSE(with_base(pose).base.has_value());
+}
+
+TEST(TaskFile, LeavesOutTolerancesFromEndToEnd) {
+  std::string text = task_as_timor_writes_it().dump();
+  text.replace(text.find("[-0.5,0.5]"), 10, "[-Infinity,Infinity]");
+  const TemporaryFolder folder;
+  const TaskFile file = load_task(folder.write("task.json", text));
+  ASSERT_EQ(file.goals[0].region.tolerances().size(), 1U);
+  EXPECT_EQ(file.goals[0].region.tolerances()[0].projection, Projection::kY);
+  text.replace(text.find("[-Infinity,Infinity]"), 20, "[0,Infinity]");
+  EXPECT_THAT(refusal(folder.write("half.json", text)),
+              HasSubstr("at /goals/0/goalPose/tolerance/0/1: Infinity is not a finite end, as the other one is"));
+}
+
+// world -> table: 2 m along y. table -> vice: Rz(90 degrees) and 1 m along x. A goal at x = 0.5 of the vice, whose x is
+// the world's y, lies at (1, 2.5, 0).
+json task_with_frames() {
+  json text = task({reach("a", 0.0)});
+  text["frames"] = {
+      {"vice", {{"parent", "table"}, {"transformation", {{0, -1, 0, 1}, {1, 0, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}}}},
+      {"table", {{"parent", "world"}, {"transformation", matrix(0, 2, 0)}}}};
+  text["goals"][0]["goalPose"] = {{"nominal", matrix(0.5, 0, 0)}, {"nominalParent", "vice"}};
+  return text;
+}
+
+TEST(TaskFrames, CarryPosesThatHangOnThem) {
+  EXPECT_LT((load(task_with_frames()).goals[0].position() - Eigen::Vector3d{1.0, 2.5, 0.0}).norm(), 1e-15);
+}
+
+// The vice's x is the world's y, so the first row of R_TN, x of the tolerance in terms of the nominal frame (the
+// world's axes here), is (0, 1, 0).
+TEST(TaskFrames, GiveTolerancesTheirAxes) {
+  json text = task_with_frames();
+  text["goals"][0]["goalPose"] = {{"nominal", matrix(1, 0, 1)},
+                                  {"toleranceProjection", json::array({"x"})},
+                                  {"tolerance", json::array({{-0.1, 0.1}})},
+                                  {"toleranceFrame", {"vice"}}};
+  const Tolerance tolerance = load(text).goals[0].region.tolerances()[0];
+  EXPECT_LT((tolerance.R_TN.row(0).transpose() - Eigen::Vector3d::UnitY()).norm(), 1e-15);
+}
+
+TEST(TaskFrames, OfGoalsAreTheirNominalPoses) {
+  json text = task_with_frames();
+  text["goals"].push_back(reach("b", 0.25));
+  text["goals"][1]["goalPose"]["nominalParent"] = "goal.a";
+  // 0.25 m along x and 1 m along z of the first goal, whose x is the world's y.
+  EXPECT_LT((load(text).goals[1].position() - Eigen::Vector3d{1.0, 2.75, 1.0}).norm(), 1e-15);
+}
+
+// The vice is turned by 90 degrees: a force along its x acts along the world's y.
+TEST(TaskFrames, TurnTheLoadsThatAreGivenInThem) {
+  json text = task_with_frames();
+  text["goals"][0]["externalForce"] = {5, 0, 0};
+  text["goals"][0]["forceTorqueReferenceFrame"] = "vice";
+  EXPECT_LT((load_at(*load(text).task, 0).wrench.force - Eigen::Vector3d{0, 5, 0}).norm(), 1e-15);
+}
+
+TEST(TaskFrames, ThatHangOnNothingAreRefusedByName) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const char* pointer, const json& value) {
+    json text = task_with_frames();
+    text[json::json_pointer{pointer}] = value;
+    return refusal(folder.write("task.json", text.dump()));
+  };
+  EXPECT_THAT(refused("/frames/table/parent", "shelf"),
+              HasSubstr("at /frames/table/parent: \"shelf\" is not the name of a frame"));
+  EXPECT_THAT(refused("/frames/table/parent", "vice"), HasSubstr("it hangs on itself"));
+  EXPECT_THAT(refused("/goals/0/goalPose/nominalParent", "lathe"),
+              HasSubstr("\"lathe\" is not the name of a frame (known here: table, vice, world)"));
+  EXPECT_THAT(refused("/frames/world", {{"parent", "table"}}), HasSubstr("the frame \"world\" is there already"));
+  EXPECT_THAT(refused("/frames/a.b", {{"parent", "table"}}), HasSubstr("has a dot"));
+}
+
+TEST(EndEffectorConstraint, ThatLimitsNothingIsReadAndOthersAreRefusedForWhatTheyMean) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const json& constraint) {
+    json text = task({reach("a", 1.0)});
+    text["constraints"] = json::array({constraint});
+    return refusal(folder.write("task.json", text.dump()));
+  };
+  EXPECT_EQ(refused({{"type", "endEffector"}, {"v_min", 0.0}}), "");
+  EXPECT_THAT(refused({{"type", "endEffector"}, {"v_max", 0.3}}),
+              HasSubstr("at /constraints/0/v_max: a limit of the end effector's speed along the motion"));
+  EXPECT_THAT(refused({{"type", "endEffector"}, {"o_max", 0.3}}), HasSubstr("rate of turn"));
+  EXPECT_THAT(refused({{"type", "endEffector"}, {"pose", {{"nominal", matrix(0, 0, 0)}}}}),
+              HasSubstr("holding the end effector within a pose along the motion"));
+  EXPECT_EQ(refused({{"type", "goalsBySameRobot"}, {"goals", {"a"}}}), "") << "there is one robot";
+}
+
+TEST(TaskFile, TakesTheTimesOfATrajectoryAsAStepToo) {
+  json text = task({reach("a", 1.0)});
+  const json pose = {{"nominal", matrix(1, 0, 1)}};
+  text["goals"] = {{{"ID", "f"}, {"type", "follow"}, {"trajectory", {{"t", 0.5}, {"pose", {pose, pose, pose}}}}}};
+  EXPECT_EQ(load(text).task->steps()[0].trajectory->times.back(), 1.0);
 }
 
 }  // namespace

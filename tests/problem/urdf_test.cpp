@@ -214,5 +214,38 @@ TEST(Urdf, RefusesADesignOfAnotherLibrary) {
   EXPECT_THROW(static_cast<void>(to_urdf(*library, Design{{{7, Parameters(0)}}})), std::invalid_argument);
 }
 
+/// seed with a hinge named `name`.
+std::shared_ptr<const ModuleLibrary> with_hinge_named(const std::string& name, const test::TemporaryFolder& folder) {
+  nlohmann::json library = nlohmann::json::parse(test::text_of(test::source_folder() / "data/libraries/seed.json"));
+  library["modules"][2]["header"]["ID"] = name;
+  return load_library(folder.write("library.json", library.dump()).string());
+}
+
+TEST(Urdf, KeepsTabsAndLineBreaksOfNames) {
+  const test::TemporaryFolder folder;
+  const auto library = with_hinge_named("a\tb\nc", folder);
+  const Design design = make_design(*library, std::vector<int>{1}, Eigen::Vector2d{0.5, 0.6});
+  const auto model = urdf::parseURDF(to_urdf(*library, design));
+  ASSERT_TRUE(model);
+  EXPECT_TRUE(model->getJoint("1.a\tb\nc.joint"));
+}
+
+TEST(Urdf, RefusesNamesThatXmlCannotHold) {
+  const test::TemporaryFolder folder;
+  const auto library = with_hinge_named("a\ab", folder);
+  const Design design = make_design(*library, std::vector<int>{1}, Eigen::Vector2d{0.5, 0.6});
+  const auto refusal = [&](const ModuleLibrary& modules, const std::string& robot) -> std::string {
+    try {
+      static_cast<void>(to_urdf(modules, design, {.name = robot}));
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal(*library, "arm"), HasSubstr("has the character U+0007, which XML cannot hold"));
+  EXPECT_THAT(refusal(*load_library("seed"), "r\x1b"),
+              HasSubstr("the name of robot 'r\xEF\xBF\xBD' has the character U+001B"));
+}
+
 }  // namespace
 }  // namespace modsearch
