@@ -86,7 +86,7 @@ std::vector<GivenTolerance> read_tolerances(const JsonCursor& pose, const Eigen:
   return result;
 }
 
-/// Timor 1.1.1 writes a pose that came without tolerances with empty lists.
+/// Tolerances are given, and not as empty lists, with which Timor 1.1.1 writes a pose that came without any.
 bool has_tolerances(const JsonCursor& pose) {
   const auto some = [&](const char* key) { return pose.has(key) && pose.at(key).value() != Json::array(); };
   const bool given =
@@ -197,7 +197,9 @@ class BaseReader {
 
 PoseRegion read_region(const JsonCursor& cursor, const TaskFrames& frames) {
   const Eigen::Isometry3d X_WN = read_nominal(cursor, frames);
-  if (!has_tolerances(cursor)) return PoseRegion::with_default_tolerances(X_WN);
+  // Empty lists ask for nothing: Timor 1.1.1 takes any pose then.
+  const bool asks_for_nothing = cursor.has("toleranceProjection") && cursor.has("tolerance");
+  if (!has_tolerances(cursor) && !asks_for_nothing) return PoseRegion::with_default_tolerances(X_WN);
   std::vector<Tolerance> tolerances;
   for (const GivenTolerance& given : read_tolerances(cursor, X_WN, frames)) tolerances.push_back(given.tolerance);
   return cursor.guard([&] { return PoseRegion{X_WN, std::move(tolerances)}; });

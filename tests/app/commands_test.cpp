@@ -262,11 +262,9 @@ TEST(Solve, TakesAGoalThatAsksForNothing) {
   const TemporaryFolder folder;
   json problem = far_problem();
   json& pose = problem["task"]["goals"][0]["goalPose"];
-  pose["toleranceProjection"] = json::array({"x"});
-  pose["tolerance"] = json::array({"everything"});
-  std::string text = problem.dump();
-  text.replace(text.find("\"everything\""), 12, "[-Infinity, Infinity]");
-  write(folder / "any.json", text);
+  pose["toleranceProjection"] = json::array();
+  pose["tolerance"] = json::array();
+  write(folder / "any.json", problem.dump());
   const Outcome solved = modsearch({"solve", folder / "any.json", "--out", folder / "out"}, folder);
   EXPECT_EQ(solved.status, 0) << solved.err;
   EXPECT_EQ(modsearch({"verify", folder / "out/solution.json"}, folder).status, 0);
