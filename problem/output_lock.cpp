@@ -11,10 +11,11 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <modsearch/problem/files.hpp>
 #include <modsearch/problem/output_lock.hpp>
 #include <mutex>
-#include <set>
+#include <optional>
 #include <utility>
 
 namespace modsearch {
@@ -24,9 +25,11 @@ namespace {
 // the file of a lock that is held would end it, so that this is asked first.
 class HeldHere {
  public:
-  bool add(const std::filesystem::path& lock) {
+  /// What the holder says of itself, where there is one already.
+  std::optional<std::string> add(const std::filesystem::path& lock, const std::string& words) {
     const std::scoped_lock guard{mutex_};
-    return held_.insert(lock).second;
+    const auto [held, is_new] = held_.emplace(lock, words);
+    return is_new ? std::nullopt : std::optional{held->second};
   }
   void remove(const std::filesystem::path& lock) {
     const std::scoped_lock guard{mutex_};
@@ -35,7 +38,7 @@ class HeldHere {
 
  private:
   std::mutex mutex_;
-  std::set<std::filesystem::path> held_;
+  std::map<std::filesystem::path, std::string> held_;  // what each holder says of itself
 };
 
 HeldHere& held_here() {
@@ -113,8 +116,9 @@ OutputLock OutputLock::of_file(const std::filesystem::path& file) {
 }
 
 OutputLock::OutputLock(const std::filesystem::path& output, std::filesystem::path lock) {
-  if (!held_here().add(lock)) {
-    throw FileError(fmt::format("{}: is being written by {}", output.string(), own_words()));
+  const std::string words = own_words();
+  if (const std::optional<std::string> holder = held_here().add(lock, words)) {
+    throw FileError(fmt::format("{}: is being written by {}", output.string(), *holder));
   }
   path_ = std::move(lock);
   try {
@@ -127,7 +131,7 @@ OutputLock::OutputLock(const std::filesystem::path& output, std::filesystem::pat
     held_here().remove(path_);
     throw;
   }
-  sign();
+  sign(words);
 }
 
 void OutputLock::take(const std::filesystem::path& output) {
@@ -142,11 +146,11 @@ void OutputLock::take(const std::filesystem::path& output) {
   throw FileError(fmt::format("{}: is being written by {}", output.string(), holder));
 }
 
-void OutputLock::sign() const {
+void OutputLock::sign(const std::string& words) const {
   // On a full disk the lock holds without the words.
-  const std::string words = own_words() + '\n';
+  const std::string line = words + '\n';
   if (::ftruncate(descriptor_, 0) != 0) return;
-  static_cast<void>(::pwrite(descriptor_, words.data(), words.size(), 0) == 0);
+  static_cast<void>(::pwrite(descriptor_, line.data(), line.size(), 0) == 0);
 }
 
 bool OutputLock::is_in_place() const {

@@ -30,7 +30,7 @@ class OutputLock final {
   /// Whether `path_` is still the file that is locked.
   [[nodiscard]] bool is_in_place() const;
   void take(const std::filesystem::path& output);
-  void sign() const;
+  void sign(const std::string& words) const;
 
   std::filesystem::path path_;
   int descriptor_ = -1;

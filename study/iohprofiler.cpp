@@ -15,9 +15,7 @@ constexpr const char* kVersion = "1.0.0";
 constexpr double kNothing = std::numeric_limits<double>::lowest();
 
 // Of ASCII: what std::isalnum says depends on the locale.
-bool is_letter_or_digit(char c) {
-  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
+bool is_letter_or_digit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 // Part of a file's name: their readers cut names at dots.
 std::string file_part(std::string text) {
