@@ -121,6 +121,7 @@ OutputLock::OutputLock(const std::filesystem::path& output, std::filesystem::pat
     throw FileError(fmt::format("{}: is being written by {}", output.string(), *holder));
   }
   path_ = std::move(lock);
+  holder_ = ::getpid();
   try {
     // A holder that has just ended takes the file away: then what was locked is no longer what others will find.
     do {
@@ -161,13 +162,14 @@ bool OutputLock::is_in_place() const {
 }
 
 OutputLock::OutputLock(OutputLock&& other) noexcept
-    : path_{std::move(other.path_)}, descriptor_{std::exchange(other.descriptor_, -1)} {}
+    : path_{std::move(other.path_)}, descriptor_{std::exchange(other.descriptor_, -1)}, holder_{other.holder_} {}
 
 OutputLock::~OutputLock() {
   if (descriptor_ < 0) return;
-  if (is_in_place()) ::unlink(path_.c_str());
+  const bool holds = holder_ == ::getpid();
+  if (holds && is_in_place()) ::unlink(path_.c_str());
   ::close(descriptor_);
-  held_here().remove(path_);
+  if (holds) held_here().remove(path_);
 }
 
 }  // namespace modsearch

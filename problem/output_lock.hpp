@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <filesystem>
 #include <string>
 
@@ -34,6 +36,7 @@ class OutputLock final {
 
   std::filesystem::path path_;
   int descriptor_ = -1;
+  ::pid_t holder_ = -1;  // a copy in a process that was forked holds nothing
 };
 
 }  // namespace modsearch

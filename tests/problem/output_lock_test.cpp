@@ -34,14 +34,17 @@ class Holder {
     if (pipe(ends.data()) != 0) throw std::runtime_error("no pipe");
     process_ = fork();
     if (process_ == 0) {
-      const OutputLock lock = OutputLock::of_folder(folder);
-      if (write(ends[1], "x", 1) == 1) pause();
+      close(ends[0]);
+      hold(folder, ends[1]);
       _exit(1);
     }
-    char held = 0;
-    if (read(ends[0], &held, 1) != 1) throw std::runtime_error("the other process does not get the lock");
-    close(ends[0]);
     close(ends[1]);
+    char held = 0;
+    const bool has_it = read(ends[0], &held, 1) == 1;
+    close(ends[0]);
+    if (has_it) return;
+    end();
+    throw std::runtime_error("the other process does not get the lock");
   }
   Holder(const Holder&) = delete;
   Holder& operator=(const Holder&) = delete;
@@ -55,6 +58,14 @@ class Holder {
   [[nodiscard]] pid_t process() const { return process_; }
 
  private:
+  static void hold(const std::filesystem::path& folder, int told) {
+    try {
+      const OutputLock lock = OutputLock::of_folder(folder);
+      if (write(told, "x", 1) == 1) pause();
+    } catch (const FileError&) {
+    }
+  }
+
   pid_t process_ = -1;
 };
 
@@ -104,6 +115,18 @@ TEST_F(OutputLockTest, IsNotInheritedByAProcessThatIsForked) {
   EXPECT_EQ(refusal(folder_.path()), "none");
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
+}
+
+TEST_F(OutputLockTest, IsNotGivenBackByAProcessThatIsForked) {
+  std::optional<OutputLock> lock{OutputLock::of_folder(folder_.path())};
+  const pid_t child = fork();
+  if (child == 0) {
+    lock.reset();
+    _exit(0);
+  }
+  waitpid(child, nullptr, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / ".modsearch.lock"));
+  EXPECT_THROW(Holder{folder_.path()}, std::runtime_error);
 }
 
 TEST_F(OutputLockTest, KnowsAFolderByWhateverNameItIsGiven) {

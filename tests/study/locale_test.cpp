@@ -45,8 +45,10 @@ std::string everything(const std::filesystem::path& folder) {
   text += solution_to_json(*problem, solution) + design_to_json(problem->library(), solution.design);
   write_file(folder / "design.json", design_to_json(problem->library(), solution.design));
   text += convert((folder / "design.json").string(), {.to = FileFormat::kUrdf, .library = "seed", .folder = folder});
-  text += convert("seed", {.to = FileFormat::kTimor, .folder = folder});
-  TrainingCsv{folder / "training.csv"}.append({.episode = 3, .epsilon = 0.125, .seconds = 1.5});
+  text += convert("seed", {.folder = folder});
+  EvaluationPoint point;
+  point.epsilon = 0.125;
+  TrainingCsv{folder / "training.csv"}.append(point);
   return text + test::text_of(folder / "training.csv");
 }
 
