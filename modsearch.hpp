@@ -51,6 +51,7 @@
 #include <modsearch/problem/goal.hpp>
 #include <modsearch/problem/module_library.hpp>
 #include <modsearch/problem/nearest_miss.hpp>
+#include <modsearch/problem/output_lock.hpp>
 #include <modsearch/problem/pose_program.hpp>
 #include <modsearch/problem/problem_source.hpp>
 #include <modsearch/problem/reach_bound.hpp>

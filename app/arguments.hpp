@@ -31,6 +31,7 @@ struct SolveArguments {
   bool at_path_level = false;
   bool refine = false;
   std::optional<std::filesystem::path> checkpoint;
+  double checkpoint_seconds = 10.0;  ///< least time between two [s]; arbitrary: what a crash may cost
   bool resume = false;
   std::optional<std::filesystem::path> out;
 };
@@ -40,6 +41,7 @@ struct TrainArguments {
   std::string agent = "mpdqn";
   std::optional<std::int64_t> episodes;
   std::uint64_t seed = 0;
+  double checkpoint_seconds = 5.0;  ///< least time between two [s]; arbitrary: what a crash may cost
   bool resume = false;
   std::optional<std::filesystem::path> out;
 };

@@ -97,6 +97,7 @@ Status certify(const CertifyArguments& arguments, const CommonArguments& common,
   const RobotProblem& problem = *chosen.problem;
   const std::filesystem::path folder = std::filesystem::absolute(arguments.out).parent_path();
   make_folder(folder);
+  const OutputLock lock = OutputLock::of_file(arguments.out);
   constexpr double kSeconds = 120.0;  // without --seconds: memory grows with the boxes that are open
   const double seconds = arguments.seconds.value_or(kSeconds);
   Meter meter{{.evaluations = std::numeric_limits<std::int64_t>::max(), .seconds = seconds}, {}, stop};

@@ -107,7 +107,8 @@ std::optional<std::string> solve_command(const std::string& problem, const Solut
 }  // namespace
 
 Status render(const RenderArguments& arguments, const CommonArguments& common) {
-  if (arguments.out) make_folder(*arguments.out);
+  std::optional<OutputLock> lock;
+  if (arguments.out) lock.emplace(claim_folder(*arguments.out));
   LoadedSolution loaded = load_solution(arguments.solution, arguments.problem, common.files);
   if (!loaded.claims) {
     // Nothing to show but the design and its motion: how good they are has to be found out.

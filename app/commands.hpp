@@ -10,7 +10,7 @@ namespace modsearch::app {
 enum class Status {
   kSuccess = 0,   ///< solved, verified, listed
   kNegative = 1,  ///< not achieved, not verified
-  kBadInput = 2,  ///< bad file or usage
+  kBadInput = 2,  ///< bad file or usage; output that cannot be written
   kFailure = 3,   ///< an internal failure
   kInterrupted = 130,
 };

@@ -34,7 +34,7 @@ std::vector<NamedText> derived_files(const StudyRecord& record) {
 
 Status compare(const CompareArguments& arguments, const CommonArguments& common, std::stop_token stop) {
   const Study study = load_study(arguments.study, study_names());
-  make_folder(arguments.out);
+  const OutputLock lock = claim_folder(arguments.out);
   StudyDisplay display{common.quiet};
   const StudyRecord record = run(study, {.folder = arguments.out,
                                          .jobs = arguments.jobs,
@@ -42,7 +42,8 @@ Status compare(const CompareArguments& arguments, const CommonArguments& common,
                                          .recheck = arguments.recheck,
                                          .command = common.command,
                                          .progress = [&](const StudyProgress& progress) { display.update(progress); },
-                                         .stop = stop});
+                                         .stop = stop,
+                                         .lock = &lock});
   display.finish();
 
   std::vector<std::string> written{(arguments.out / "events.jsonl").string()};

@@ -8,7 +8,7 @@ Status generate(const GenerateArguments& arguments, const CommonArguments& commo
   WhitmanTasks tasks{.goals = arguments.goals, .boxes = arguments.boxes};
   if (arguments.free_ends) tasks.free_ends = whitman_library();
   static_cast<void>(whitman_task(tasks, {}));  // says what is wrong before a folder is made
-  make_folder(arguments.out);
+  const OutputLock lock = claim_folder(arguments.out);
   std::vector<std::string> written;
   for (int i = 0; i < arguments.count; ++i) {
     const std::string number = fmt::format("{:03}", i);

@@ -12,6 +12,8 @@
 #include "app/arguments.hpp"
 #include "app/commands.hpp"
 #include "app/interrupt.hpp"
+#include "app/output_internal.hpp"
+#include "app/standard_streams.hpp"
 
 namespace {
 
@@ -78,6 +80,15 @@ void add_seed(CLI::App& command, std::uint64_t& seed, const std::string& meaning
       ->type_name("N");
 }
 
+void add_checkpoint_seconds(CLI::App& command, double& seconds) {
+  command
+      .add_option_function<std::string>(
+          "--checkpoint-seconds",
+          [&](const std::string& text) { seconds = parse_seconds("--checkpoint-seconds", text); },
+          fmt::format("least time between two checkpoints [s] (default {:g}): what a crash may cost", seconds))
+      ->type_name("S");
+}
+
 void add_count(CLI::App& command, const std::string& option, int& count, const std::string& meaning) {
   constexpr std::uint64_t kMost = 1'000'000;
   command
@@ -93,7 +104,9 @@ void add_count(CLI::App& command, const std::string& option, int& count, const s
 void describe(CLI::App& app, Arguments& a) {
   app.require_subcommand(1);
   app.set_version_flag("--version", MODSEARCH_VERSION);
-  app.footer("Exit status: 0 success, 1 a negative result, 2 bad input, 3 internal failure, 130 interrupted.");
+  app.footer(
+      "Exit status: 0 success, 1 a negative result, 2 bad input or output that cannot be written, 3 internal failure, "
+      "130 interrupted.");
 
   CLI::App& solve = *app.add_subcommand("solve", "solve one instance of a problem");
   solve.add_option("PROBLEM", a.solve.problem, "problem file, or the ID of a built-in one")->required();
@@ -139,6 +152,7 @@ void describe(CLI::App& app, Arguments& a) {
                  "left of the budget");
   CLI::Option* checkpoint =
       solve.add_option("--checkpoint", a.solve.checkpoint, "FILE in which the search is kept while it runs");
+  add_checkpoint_seconds(solve, a.solve.checkpoint_seconds);
   solve.add_flag("--resume", a.solve.resume, "go on from the checkpoint, if there is one")->needs(checkpoint);
   solve.add_option("--out", a.solve.out, "folder for solution.json, trace.csv and view.html");
   add_mesh_root(solve, a.common);
@@ -158,6 +172,7 @@ void describe(CLI::App& app, Arguments& a) {
           "training episodes at most, instead of the preset's")
       ->type_name("N");
   add_seed(train, a.train.seed, "of weights, exploration and instances (default 0)");
+  add_checkpoint_seconds(train, a.train.checkpoint_seconds);
   train.add_flag("--resume", a.train.resume, "go on from the checkpoint in --out");
   train.add_option("--out", a.train.out,
                    "folder for policy.json with its weights, training.csv, TensorBoard events, checkpoint.bin");
@@ -286,32 +301,42 @@ Status run(const CLI::App& app, const Arguments& a) {
 }
 
 int complain(Status status, const std::string& what) {
-  fmt::print(stderr, "modsearch: {}\n", what);
+  tell_at_last(fmt::format("modsearch: {}\n", what));
+  return static_cast<int>(status);
+}
+
+// What --help and --version print.
+std::string answer_to(const CLI::App& app, const CLI::Success& asked) {
+  const bool version = dynamic_cast<const CLI::CallForVersion*>(&asked) != nullptr;
+  return version ? fmt::format("{}\n", asked.what()) : app.help();
+}
+
+int run_command(int argc, char** argv) {
+  CLI::App app{"Modular robot design as a search problem."};
+  app.name("modsearch");
+  Arguments arguments;
+  arguments.common.command = typed(argc, argv);
+  describe(app, arguments);
+  Status status = Status::kSuccess;
+  try {
+    check_command(app, argc, argv);
+    app.parse(argc, argv);
+    status = run(app, arguments);
+  } catch (const CLI::Success& asked) {
+    write_out(answer_to(app, asked));
+  } catch (const CLI::ParseError& e) {
+    return complain(Status::kBadInput, e.what());
+  }
+  flush_output();
   return static_cast<int>(status);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Modular robot design as a search problem."};
-  app.name("modsearch");
-  Arguments arguments;
-  arguments.common.command = typed(argc, argv);
-  describe(app, arguments);
+  secure_standard_streams();
   try {
-    check_command(app, argc, argv);
-    app.parse(argc, argv);
-    const Status status = run(app, arguments);
-    flush_output();
-    return static_cast<int>(status);
-  } catch (const CLI::CallForHelp& e) {
-    return app.exit(e);
-  } catch (const CLI::CallForAllHelp& e) {
-    return app.exit(e);
-  } catch (const CLI::CallForVersion& e) {
-    return app.exit(e);
-  } catch (const CLI::ParseError& e) {
-    return complain(Status::kBadInput, e.what());
+    return run_command(argc, argv);
   } catch (const FileError& e) {
     return complain(Status::kBadInput, e.what());
   } catch (const std::invalid_argument& e) {

@@ -54,4 +54,9 @@ void make_folder(const std::filesystem::path& folder) {
   }
 }
 
+OutputLock claim_folder(const std::filesystem::path& folder) {
+  make_folder(folder);
+  return OutputLock::of_folder(folder);
+}
+
 }  // namespace modsearch::app

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <modsearch/problem/output_lock.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -25,5 +26,7 @@ void say(fmt::format_string<Values...> format, Values&&... values) {
 /// Makes the folder that --out names, before any work is done. Throws std::invalid_argument for an empty name,
 /// FileError if it cannot be made or written into.
 void make_folder(const std::filesystem::path& folder);
+/// The same, and nobody else may write there while the lock is held. Throws FileError if somebody does.
+[[nodiscard]] OutputLock claim_folder(const std::filesystem::path& folder);
 
 }  // namespace modsearch::app

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "app/standard_streams.hpp"
 #include "app/terminal.hpp"
 
 namespace modsearch::app {
@@ -30,23 +30,21 @@ void ProgressLine::show(double share, const std::string& text) {
     const int filled = static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * kWidth));
     std::string bar = fmt::format("[{:=<{}}{: <{}}] {}", "", filled, "", kWidth - filled, text);
     bar.resize(std::min(bar.size(), terminal_width() - 1));  // what runs on into a second line could not be taken off
-    fmt::print(stderr, "\r\033[K{}", bar);
+    tell("\r\033[K" + bar);
     shown_ = true;
   } else {
-    fmt::print(stderr, "{}\n", text);
+    tell(text + '\n');
   }
-  std::fflush(stderr);
 }
 
 void ProgressLine::say(const std::string& text) {
   if (quiet_) return;
   finish();
-  fmt::print(stderr, "{}\n", text);
-  std::fflush(stderr);
+  tell(text + '\n');
 }
 
 void ProgressLine::finish() {
-  if (shown_) fmt::print(stderr, "\r\033[K");
+  if (shown_) tell("\r\033[K");
   shown_ = false;
 }
 

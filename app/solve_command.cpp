@@ -54,6 +54,7 @@ Solution search(const ChosenSolver& chosen, const SolveArguments& arguments, con
   }
   return modsearch::solve(*stepped, problem, meter, rng,
                           {.file = *arguments.checkpoint,
+                           .period = arguments.checkpoint_seconds,
                            .resume = arguments.resume,
                            .identity = fmt::format("{}, seed {}", arguments.solver, arguments.seed)});
 }
@@ -111,7 +112,8 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
   const auto [file, instance, as_given] = choose_problem(arguments.problem, arguments.instance, common.files);
   std::shared_ptr<const RobotProblem> problem = as_given;
   if (arguments.at_path_level) problem = std::make_shared<RobotProblem>(problem->with_level(Level::kPath));
-  if (arguments.out) make_folder(*arguments.out);
+  std::optional<OutputLock> lock;
+  if (arguments.out) lock.emplace(claim_folder(*arguments.out));
 
   // Where only time ends the search, somebody waits: the first achieved design
   // is told as soon as there is one.

@@ -17,7 +17,6 @@ namespace modsearch::app {
 namespace {
 
 constexpr const char* kCheckpoint = "checkpoint.bin";
-constexpr double kSecondsBetweenCheckpoints = 5.0;
 
 double now() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
 
@@ -42,9 +41,12 @@ void check_identity(const Archive& archive, const std::vector<std::string>& want
 // Everything a training leaves in its folder.
 class TrainingFiles {
  public:
-  TrainingFiles(std::filesystem::path folder, std::vector<std::string> identity, bool resume)
-      : folder_{std::move(folder)}, identity_{std::move(identity)}, last_checkpoint_{now()} {
-    make_folder(folder_);
+  TrainingFiles(std::filesystem::path folder, std::vector<std::string> identity, bool resume, double period)
+      : folder_{std::move(folder)},
+        lock_{claim_folder(folder_)},
+        identity_{std::move(identity)},
+        period_{period},
+        last_checkpoint_{now()} {
     if (resume) {
       checkpoint_ = Archive::load(folder_ / kCheckpoint);
       check_identity(*checkpoint_, identity_);
@@ -56,26 +58,19 @@ class TrainingFiles {
 
   void begin(Trainer& trainer) {
     if (checkpoint_) trainer.load(*checkpoint_);
-    const bool resumed = checkpoint_.has_value();
     checkpoint_.reset();
-    csv_.emplace(resumed ? TrainingCsv::resume(folder_ / "training.csv", trainer.episode())
-                         : TrainingCsv{folder_ / "training.csv"});
+    const std::vector<EvaluationPoint>& history = trainer.history();
+    csv_.emplace(folder_ / "training.csv", history);
     events_.emplace(folder_, now());
-    if (resumed) events_->restart(trainer.episode() + 1, now());
+    // The checkpoint counts: what earlier files hold may go further than it, or be torn where a machine went down.
+    events_->restart(0, now());
+    for (const EvaluationPoint& point : history) add_scalars(point, now() - (history.back().seconds - point.seconds));
   }
 
   void add(const Trainer& trainer) {
-    const EvaluationPoint& point = trainer.history().back();
-    csv_->append(point);
-    const double time = now();
-    const auto scalar = [&](const char* tag, double value) { events_->scalar(tag, point.episode, value, time); };
-    scalar("evaluation/return", point.evaluation.mean_return);
-    scalar("evaluation/one_step", point.evaluation.one_step_share);
-    scalar("evaluation/success", point.evaluation.success_share);
-    scalar("training/return", point.training_return);
-    scalar("training/value_loss", point.value_loss);
-    scalar("training/epsilon", point.epsilon);
-    if (time - last_checkpoint_ >= kSecondsBetweenCheckpoints) save(trainer);
+    csv_->append(trainer.history().back());
+    add_scalars(trainer.history().back(), now());
+    if (now() - last_checkpoint_ >= period_) save(trainer);
   }
 
   void save(const Trainer& trainer) {
@@ -87,8 +82,20 @@ class TrainingFiles {
   }
 
  private:
+  void add_scalars(const EvaluationPoint& point, double time) {
+    const auto scalar = [&](const char* tag, double value) { events_->scalar(tag, point.episode, value, time); };
+    scalar("evaluation/return", point.evaluation.mean_return);
+    scalar("evaluation/one_step", point.evaluation.one_step_share);
+    scalar("evaluation/success", point.evaluation.success_share);
+    scalar("training/return", point.training_return);
+    scalar("training/value_loss", point.value_loss);
+    scalar("training/epsilon", point.epsilon);
+  }
+
   std::filesystem::path folder_;
+  OutputLock lock_;
   std::vector<std::string> identity_;
+  double period_;  // least time between two checkpoints [s]
   double last_checkpoint_;
   std::optional<Archive> checkpoint_;
   std::optional<TrainingCsv> csv_;
@@ -162,7 +169,9 @@ Status train(const TrainArguments& arguments, const CommonArguments& common, std
   ChosenAgent chosen = choose_agent(arguments.agent, file);
   if (arguments.episodes) chosen.settings.training.episodes = *arguments.episodes;
   std::optional<TrainingFiles> files;
-  if (arguments.out) files.emplace(*arguments.out, identity(arguments, chosen.settings), arguments.resume);
+  if (arguments.out) {
+    files.emplace(*arguments.out, identity(arguments, chosen.settings), arguments.resume, arguments.checkpoint_seconds);
+  }
 
   TrainingDisplay display{arguments.agent, common.quiet};
   const AgentLearner learner{chosen.settings,

@@ -1,16 +1,9 @@
 #include <checker/certificate.hpp>
 #include <checker/incumbent.hpp>
 #include <cmath>
-#include <cstdio>
 
 namespace modsearch_check {
 namespace {
-
-std::string in_digits(double number, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*g", digits, number);
-  return text;
-}
 
 /// The numbers that the certificate says it is about have to be those of the problem.
 void compare_statement(const Value& statement, const Problem& problem) {

@@ -35,6 +35,12 @@ std::ptrdiff_t line_of(std::string_view text, std::size_t byte) {
 
 }  // namespace
 
+std::string in_digits(double number, int digits) {
+  char text[64];
+  const auto [end, error] = std::to_chars(std::begin(text), std::end(text), number, std::chars_format::general, digits);
+  return error == std::errc{} ? std::string(text, end) : std::string{};
+}
+
 std::string read_file(const std::string& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);

@@ -21,6 +21,8 @@ struct Rejected : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// `number` with so many significant digits, in decimals, whatever the locale of the program.
+[[nodiscard]] std::string in_digits(double number, int digits);
 /// The whole of a regular file. Throws Malformed.
 [[nodiscard]] std::string read_file(const std::string& path);
 

@@ -1,9 +1,13 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <checker/certificate.hpp>
-#include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <exception>
-#include <iostream>
 #include <string>
+#include <string_view>
 
 namespace {
 
@@ -18,20 +22,44 @@ usage: modsearch-check [--json] CERTIFICATE
 Reads the problem that the certificate names, derives all sequences of module types and their arms, and checks with
 rounded-outward arithmetic that no achieved design scores above the claimed bound.
 
-exit status: 0 accepted, 1 rejected (with the reason), 2 the input cannot be read
+exit status: 0 accepted, 1 rejected (with the reason), 2 the input cannot be read or the answer not be written,
+3 the check failed
 
 Example: modsearch-check out/certificate.json
 )";
 
 using modsearch_check::Json;
 
+// A descriptor that the caller closed must not become that of a file; writing to stdout then still fails. A reader that
+// has gone away is an error of the write and no signal.
+void secure_standard_streams() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(descriptor, F_GETFD) != -1 || errno != EBADF) continue;
+    if (::open("/dev/null", descriptor == STDERR_FILENO ? O_WRONLY : O_RDONLY) != descriptor) ::_exit(3);
+  }
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+bool write(std::FILE* stream, std::string_view text) {
+  return std::fwrite(text.data(), 1, text.size(), stream) == text.size() && std::fflush(stream) == 0;
+}
+
+// `status`, if the answer can be written: an answer that is lost is none.
+int answer(std::string_view text, int status) {
+  if (write(stdout, text)) return status;
+  write(stderr, "failed: the answer cannot be written to the standard output\n");
+  return 2;
+}
+
 int report(const std::string& verdict, const std::string& reason, bool as_json, int status) {
   if (as_json) {
-    std::cout << Json{{"verdict", verdict}, {"reason", reason}}.dump(2, ' ', true, Json::error_handler_t::replace)
-              << '\n';
-  } else {
-    (status == 1 ? std::cout : std::cerr) << verdict << ": " << modsearch_check::printable(reason) << '\n';
+    const Json json{{"verdict", verdict}, {"reason", reason}};
+    return answer(json.dump(2, ' ', true, Json::error_handler_t::replace) + '\n', status);
   }
+  const std::string text = verdict + ": " + modsearch_check::printable(reason) + '\n';
+  if (status == 1) return answer(text, status);
+  write(stderr, text);
   return status;
 }
 
@@ -57,13 +85,13 @@ Json as_json(const modsearch_check::Proof& proof) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  secure_standard_streams();
   std::string file;
   bool json = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--help" || argument == "-h") {
-      std::cout << kHelp;
-      return 0;
+      return answer(kHelp, 0);
     }
     if (argument == "--json") {
       json = true;
@@ -76,9 +104,7 @@ int main(int argc, char** argv) {
   if (file.empty()) return report("bad usage", "the certificate to check is missing (see --help)", json, 2);
   try {
     const modsearch_check::Proof proof = modsearch_check::check_certificate(file);
-    std::cout << (json ? as_json(proof).dump(2) + "\n" : modsearch_check::in_words(proof)) << std::flush;
-    if (!std::cout) return report("failed", "the answer cannot be written", json, 2);
-    return 0;
+    return answer(json ? as_json(proof).dump(2) + '\n' : modsearch_check::in_words(proof), 0);
   } catch (const modsearch_check::Rejected& reason) {
     return report("rejected", reason.what(), json, 1);
   } catch (const modsearch_check::Malformed& reason) {

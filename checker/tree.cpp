@@ -52,7 +52,7 @@ void check_bound(const Problem& problem, const Model& model, const Leaf& leaf, d
     return;
   }
   if (!(best_score(problem, model.types.size() + 1, model.costs, bound) <= upper)) {
-    throw Rejected("shows a mass of " + std::to_string(bound) + " kg only, which is too little");
+    throw Rejected("shows a mass of " + in_digits(bound, 6) + " kg only, which is too little");
   }
 }
 

@@ -19,6 +19,10 @@ function(modsearch_floor name)
   target_compile_features(modsearch_${name} PUBLIC cxx_std_20)
   target_include_directories(modsearch_${name} PUBLIC "$<BUILD_INTERFACE:${include_dir}>"
                              "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+  # Dependencies stay inside a shared library; of a static one they are left to whoever links it.
+  if(NOT BUILD_SHARED_LIBS)
+    list(TRANSFORM FLOOR_PRIVATE REPLACE "^\\$<BUILD_INTERFACE:([^$>]+)>$" "\\1")
+  endif()
   foreach(below IN LISTS FLOOR_FLOORS)
     target_link_libraries(modsearch_${name} PUBLIC modsearch_${below})
   endforeach()

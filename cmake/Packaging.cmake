@@ -5,6 +5,9 @@ configure_package_config_file(cmake/modsearchConfig.cmake.in "${PROJECT_BINARY_D
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/modsearchConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/modsearchConfig.cmake" "${PROJECT_BINARY_DIR}/modsearchConfigVersion.cmake"
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/modsearch)
+if(NOT BUILD_SHARED_LIBS)
+  install(FILES cmake/Dependencies.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/modsearch)
+endif()
 install(FILES modsearch.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/modsearch)
 
 # <modsearch/modsearch.hpp> in the build tree, for the examples and tests.

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cmath>
 #include <modsearch/kinematics/shape.hpp>
 #include <stdexcept>
@@ -8,8 +10,7 @@ namespace {
 
 void require_length(double value, const char* shape, const char* what) {
   if (std::isfinite(value) && value >= 0.0) return;
-  throw std::invalid_argument(std::string(shape) + ": " + what + " must be finite and >= 0 m, is " +
-                              std::to_string(value));
+  throw std::invalid_argument(fmt::format("{}: {} must be finite and >= 0 m, is {:.6f}", shape, what, value));
 }
 
 void check_one(const Sphere& sphere) { require_length(sphere.radius, "sphere", "radius"); }

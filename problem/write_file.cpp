@@ -14,8 +14,14 @@ namespace {
 /// Closes and removes what is left of an attempt to write.
 class Draft {
  public:
-  Draft(std::filesystem::path path, const std::filesystem::path& target) : path_{std::move(path)}, target_{target} {
-    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  explicit Draft(const std::filesystem::path& target) : target_{target} {
+    // Process and count keep writers apart, threads included. What is there already was left by one that was killed: in
+    // a container the next process may well have its number.
+    static std::atomic<unsigned> count{0};
+    do {
+      path_ = fmt::format("{}.{}-{}.part", target.string(), ::getpid(), count++);
+      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    } while (descriptor_ < 0 && errno == EEXIST);
     if (descriptor_ < 0) fail();
   }
   Draft(const Draft&) = delete;
@@ -79,11 +85,7 @@ void write_file(const std::filesystem::path& file, std::string_view text) {
     write_through(target, text);
     return;
   }
-  // Process and count keep writers apart, threads included.
-  static std::atomic<unsigned> count{0};
-  std::filesystem::path beside = target;
-  beside += fmt::format(".{}-{}.part", ::getpid(), count++);
-  Draft draft{std::move(beside), target};
+  Draft draft{target};
   draft.write(text);
   draft.keep();
 }

@@ -83,15 +83,22 @@ void append(std::string& bytes, T number) {
 
 }  // namespace
 
-EventFile::EventFile(const std::filesystem::path& directory, double wall_time)
-    : path_{directory /
-            fmt::format("events.out.tfevents.{:010}.modsearch", static_cast<std::int64_t>(std::floor(wall_time)))} {
+EventFile::EventFile(const std::filesystem::path& directory, double wall_time) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error) throw FileError(fmt::format("{}: cannot be made: {}", directory.string(), error.message()));
-  file_.reset(std::fopen(path_.c_str(), "ab"));
-  if (file_ == nullptr) fail();
+  open_new(directory /
+           fmt::format("events.out.tfevents.{:010}.modsearch", static_cast<std::int64_t>(std::floor(wall_time))));
   write(Message{}.number(kEventWallTime, wall_time).text(kEventFileVersion, "brain.Event:2").bytes());
+}
+
+void EventFile::open_new(const std::filesystem::path& plain) {
+  path_ = plain;
+  for (int number = 1; file_ == nullptr; ++number) {
+    file_.reset(std::fopen(path_.c_str(), "wbx"));
+    if (file_ == nullptr && errno != EEXIST) fail();
+    if (file_ == nullptr) path_ = fmt::format("{}.{}", plain.string(), number);
+  }
 }
 
 void EventFile::scalar(std::string_view tag, std::int64_t step, double value, double wall_time) {

@@ -15,7 +15,9 @@ namespace modsearch {
 class EventFile {
  public:
   /// Opens "events.out.tfevents.<seconds>.modsearch" in `directory`, which is made where it is missing; TensorBoard
-  /// takes all event files of a directory for one run, and all directories below its --logdir for runs.
+  /// takes all event files of a directory for one run, and all directories below its --logdir for runs. A file that is
+  /// there already gets no more records, because behind a torn one nobody would read them: the new one is then named
+  /// "..modsearch.1".
   /// `wall_time`: now, in seconds since 1970. Throws FileError if the file cannot be opened or written.
   EventFile(const std::filesystem::path& directory, double wall_time);
 
@@ -28,6 +30,7 @@ class EventFile {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:
+  void open_new(const std::filesystem::path& plain);
   void write(std::string_view event);
   [[noreturn]] void fail() const;
 

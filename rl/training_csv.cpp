@@ -106,21 +106,12 @@ std::vector<EvaluationPoint> load_training_csv(const std::filesystem::path& file
   return rows;
 }
 
-TrainingCsv::TrainingCsv(const std::filesystem::path& file) : TrainingCsv{file, {}} {}
-
 TrainingCsv::TrainingCsv(const std::filesystem::path& file, const std::vector<EvaluationPoint>& rows) : path_{file} {
   std::string text = training_csv_columns() + '\n';
   for (const EvaluationPoint& row : rows) text += line_of(row);
   write_file(file, text);
   file_.reset(std::fopen(file.c_str(), "ab"));
   if (file_ == nullptr) fail();
-}
-
-TrainingCsv TrainingCsv::resume(const std::filesystem::path& file, std::int64_t episode) {
-  std::vector<EvaluationPoint> rows;
-  if (std::filesystem::exists(file)) rows = load_training_csv(file);
-  std::erase_if(rows, [&](const EvaluationPoint& row) { return row.episode > episode; });
-  return {file, rows};
 }
 
 void TrainingCsv::append(const EvaluationPoint& point) {

@@ -14,18 +14,14 @@ namespace modsearch {
 /// when append() returns. Columns: see training_csv_columns().
 class TrainingCsv {
  public:
-  /// Begins a log, in place of whatever `file` is. Throws FileError if it cannot be written.
-  explicit TrainingCsv(const std::filesystem::path& file);
-  /// Goes on with the log of a training that is restored from a checkpoint: rows of later episodes than `episode`, and
-  /// a last row that was cut off, are dropped. A log that is not there begins anew. Throws FileError if the file is
-  /// another table or cannot be written.
-  [[nodiscard]] static TrainingCsv resume(const std::filesystem::path& file, std::int64_t episode);
+  /// Begins a log, in place of whatever `file` is. `rows`: what a training that goes on from a checkpoint remembers; it
+  /// is that which counts, whatever has become of the log meanwhile. Throws FileError if it cannot be written.
+  explicit TrainingCsv(const std::filesystem::path& file, const std::vector<EvaluationPoint>& rows = {});
 
   /// Adds a row. Throws FileError if it cannot be written.
   void append(const EvaluationPoint& point);
 
  private:
-  TrainingCsv(const std::filesystem::path& file, const std::vector<EvaluationPoint>& rows);
   [[noreturn]] void fail() const;
 
   struct Closer {

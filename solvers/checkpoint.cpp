@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <modsearch/problem/output_lock.hpp>
 #include <modsearch/solvers/checkpoint.hpp>
 
 namespace modsearch {
@@ -80,6 +81,7 @@ class Rest final : public Solver {
 
 Solution solve(const SteppedSolver& solver, const DesignProblem& problem, Meter& meter, Rng rng,
                const Checkpointing& checkpointing) {
+  const OutputLock lock = OutputLock::of_file(checkpointing.file);
   const std::unique_ptr<Search> search = solver.start(problem, rng);
   if (checkpointing.resume && std::filesystem::exists(checkpointing.file)) {
     read(checkpointing, solver, problem, meter, *search);

@@ -19,8 +19,8 @@ struct Checkpointing {
 /// the meter ends the search before it is over (that of half a second earlier, more where states are large), whole or
 /// not at all. Killed at any moment and resumed with the same arguments, or with a larger budget, it ends with the same
 /// solution as an uninterrupted search (but for what a budget of seconds cuts off). A search that is over leaves its
-/// last checkpoint. Throws FileError for a checkpoint that cannot be read or written, or that belongs to another
-/// solver, problem or identity.
+/// last checkpoint. Throws FileError for a checkpoint that cannot be read or written, that another search is
+/// kept in, or that belongs to another solver, problem or identity.
 [[nodiscard]] Solution solve(const SteppedSolver& solver, const DesignProblem& problem, Meter& meter, Rng rng,
                              const Checkpointing& checkpointing);
 

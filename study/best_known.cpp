@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <modsearch/problem/nearest_miss.hpp>
+#include <modsearch/problem/output_lock.hpp>
 #include <modsearch/problem/readers_internal.hpp>
 #include <modsearch/solvers/verification.hpp>
 #include <modsearch/study/best_known.hpp>
@@ -134,6 +135,12 @@ void merge(BestKnownTable& table, const Offer& offer, BestKnownCounts& counts) {
   }
 }
 
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw FileError(fmt::format("{}: cannot make this folder: {}", folder.string(), error.message()));
+}
+
 }  // namespace
 
 const BestKnown* BestKnownTable::find(const Instance& instance) const {
@@ -180,6 +187,8 @@ std::string best_known_to_json(const BestKnownTable& table) {
 BestKnownMerge merge_best_known(const std::filesystem::path& folder, std::span<const std::filesystem::path> files) {
   Offers offers;
   for (const std::filesystem::path& file : files) read_offers(file, offers);
+  make_folder(folder);
+  const OutputLock lock = OutputLock::of_folder(folder);  // what another merge adds meanwhile would be lost
   BestKnownMerge result;
   std::vector<std::pair<std::filesystem::path, std::string>> texts;
   for (const auto& [family, theirs] : offers) {
@@ -200,9 +209,7 @@ BestKnownMerge merge_best_known(const std::filesystem::path& folder, std::span<c
     result.counts.push_back(std::move(counts));
   }
   for (const auto& [file, text] : texts) {
-    std::error_code error;
-    std::filesystem::create_directories(file.parent_path(), error);
-    if (error) throw FileError(fmt::format("{}: cannot make its folder: {}", file.string(), error.message()));
+    make_folder(file.parent_path());
     write_file(file, text);
     result.written.push_back(file);
   }

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <modsearch/study/iohprofiler.hpp>
@@ -15,10 +14,13 @@ namespace {
 constexpr const char* kVersion = "1.0.0";
 constexpr double kNothing = std::numeric_limits<double>::lowest();
 
+// Of ASCII: what std::isalnum says depends on the locale.
+bool is_letter_or_digit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
 // Part of a file's name: their readers cut names at dots.
 std::string file_part(std::string text) {
   for (char& c : text) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-') c = '_';
+    if (!is_letter_or_digit(c) && c != '-') c = '_';
   }
   return text;
 }

@@ -35,15 +35,6 @@ Journal Journal::resume(const std::filesystem::path& file) {
 Journal::Journal(const std::filesystem::path& file, int flags) : path_{file}, forced_{std::chrono::steady_clock::now()} {
   descriptor_ = ::open(file.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | flags, 0666);
   if (descriptor_ < 0) fail();
-  // Of the process, so that cells computed by its children do not hold it; gone with it, however it ends.
-  struct flock whole {};
-  whole.l_type = F_WRLCK;
-  whole.l_whence = SEEK_SET;
-  if (::fcntl(descriptor_, F_SETLK, &whole) == 0) return;
-  const bool held = errno == EACCES || errno == EAGAIN;
-  ::close(std::exchange(descriptor_, -1));
-  if (held) throw FileError(fmt::format("{}: another program is writing this journal", path_.string()));
-  fail();
 }
 
 Journal::Journal(Journal&& other) noexcept

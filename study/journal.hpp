@@ -11,7 +11,8 @@ namespace modsearch {
 ///
 /// What belongs to one moment (a finished cell with its improvements) is one write(), so that a program that is killed
 /// at any byte leaves whole lines and at most one torn one at the end. Nothing is ever rewritten. Data is forced on to
-/// the disk once a second and at the end: a machine that loses its power loses at most the last second's cells.
+/// the disk once a second and at the end: a machine that loses its power loses at most the last second's cells. Whoever
+/// writes one holds the OutputLock of its folder.
 class Journal {
  public:
   /// A new journal. Throws FileError if `file` exists or cannot be written.

@@ -68,6 +68,7 @@ class Run {
     std::error_code error;
     std::filesystem::create_directories(options_.folder, error);
     if (error) throw FileError(fmt::format("{}: cannot make this folder: {}", options_.folder.string(), error.message()));
+    if (options_.lock == nullptr) lock_.emplace(OutputLock::of_folder(options_.folder));
     locate(facts);
     const bool there = std::filesystem::exists(file_);
     if (there && !options_.resume) {
@@ -229,6 +230,7 @@ class Run {
 
   const Study& study_;
   const RunOptions& options_;
+  std::optional<OutputLock> lock_;
   std::filesystem::path file_;
   std::vector<PlannedCell> plan_;
   std::vector<std::optional<CellRecord>> ended_;  // [n_cells], done or failed

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <modsearch/problem/output_lock.hpp>
 #include <modsearch/study/study.hpp>
 #include <stdexcept>
 #include <stop_token>
@@ -32,6 +33,7 @@ struct RunOptions {
   std::string command{};  ///< for the journal: what was typed
   std::function<void(const StudyProgress&)> progress{};
   std::stop_token stop{};  ///< ends the run; cells that are not finished are lost
+  const OutputLock* lock = nullptr;  ///< of the folder, where the caller holds it; null: the run takes it itself
 };
 
 /// A cell was computed twice with different results: it is no function of its key, and no comparison with it counts.
@@ -46,8 +48,8 @@ class StudyContradiction : public std::runtime_error {
 /// process must have no other threads that compute: cells are computed in copies of it.
 ///
 /// Throws std::invalid_argument for an impossible study or options, FileError for a folder or journal that cannot be
-/// used: one that is there already (without `resume`), or that belongs to another study, version, compiler or
-/// instruction set; StudyContradiction.
+/// used: one that is being written by another program, that is there already (without `resume`), or that belongs to
+/// another study, version, compiler or instruction set; StudyContradiction.
 StudyRecord run(const Study& study, const RunOptions& options);
 
 }  // namespace modsearch

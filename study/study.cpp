@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <modsearch/rl/float_kernels.hpp>
 #include <modsearch/study/study.hpp>
@@ -26,10 +27,19 @@ void check_names(const Items& items, const char* what, Name name_of) {
   }
 }
 
+constexpr std::uint64_t kLastNumber = std::numeric_limits<std::uint64_t>::max();
+
+// Whether `count` numbers from `first` on are there: a sum that wraps would give others.
+bool fits(std::uint64_t first, int count) { return static_cast<std::uint64_t>(count) - 1 <= kLastNumber - first; }
+
 void check(const StudyProblem& problem) {
   if (!problem.make) refuse(fmt::format("problem '{}' has nothing that makes it", problem.name));
   if (problem.instances && problem.instances->count < 1) {
     refuse(fmt::format("problem '{}': {} instances (at least 1)", problem.name, problem.instances->count));
+  }
+  if (problem.instances && !fits(problem.instances->first, problem.instances->count)) {
+    refuse(fmt::format("problem '{}': {} instances from {} on (no number may be above {})", problem.name,
+                       problem.instances->count, problem.instances->first, kLastNumber));
   }
 }
 

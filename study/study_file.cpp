@@ -72,7 +72,15 @@ class Reader {
     range.seed = cursor.at("seed").unsigned_integer();
     if (const auto first = cursor.find("first")) range.first = first->unsigned_integer();
     range.count = static_cast<int>(cursor.at("count").integer(1, kMostInstances));
+    check_range(cursor, range.first, static_cast<std::uint64_t>(range.count));
     return range;
+  }
+
+  // Refuses `count` numbers from `first` on where their sum would wrap.
+  static void check_range(const JsonCursor& cursor, std::uint64_t first, std::uint64_t count) {
+    constexpr std::uint64_t kLast = std::numeric_limits<std::uint64_t>::max();
+    if (count - 1 <= kLast - first) return;
+    cursor.fail(fmt::format("{} numbers from {} on end above the largest, {}", count, first, kLast));
   }
 
   [[nodiscard]] StudySolver solver(const JsonCursor& cursor, const std::vector<JsonCursor>& problems) const {
@@ -126,6 +134,7 @@ class Reader {
     cursor.expect_keys({"first", "count"});
     const std::uint64_t first = cursor.at("first").unsigned_integer();
     std::vector<std::uint64_t> list(static_cast<std::size_t>(cursor.at("count").integer(1, kMostSeeds)));
+    check_range(cursor, first, list.size());
     for (std::size_t i = 0; i < list.size(); ++i) list[i] = first + i;
     return list;
   }

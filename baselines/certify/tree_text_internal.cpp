@@ -1,15 +1,18 @@
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <charconv>
+#include <cmath>
 #include <iterator>
 #include <modsearch/baselines/certify/tree_text_internal.hpp>
+#include <string_view>
 
 namespace modsearch::certify {
 
 std::string hex(double number) {
-  char text[48];
-  std::snprintf(text, sizeof text, "\"%a\"", number);
-  return text;
+  char digits[48];
+  const auto [end, error] =
+      std::to_chars(std::begin(digits), std::end(digits), std::abs(number), std::chars_format::hex);
+  return fmt::format("\"{}0x{}\"", std::signbit(number) ? "-" : "", std::string_view{digits, end});
 }
 
 void TreeText::begin() {

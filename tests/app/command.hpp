@@ -175,4 +175,12 @@ inline Outcome modsearch(const std::vector<std::string>& arguments, const Tempor
   return Child{arguments, folder.path()}.wait();
 }
 
+/// A line for the shell, in which $M is the program and the working folder is `folder`. Of a program that was killed by
+/// signal N the shell says 128 + N.
+inline int shell(const std::string& line, const TemporaryFolder& folder) {
+  const std::string whole = "cd '" + folder.path().string() + "' && M='" + test::command() + "' && " + line;
+  const int status = std::system(whole.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
 }  // namespace modsearch::testing

@@ -76,26 +76,16 @@ TEST(TrainingCsv, GivesBackTheNumbersBitByBit) {
   EXPECT_EQ(rows[0].evaluation.mean_steps, 1.1);
 }
 
-TEST(TrainingCsv, GoesOnAtTheRowOfTheCheckpoint) {
+TEST(TrainingCsv, GoesOnWithTheRowsOfTheCheckpointWhateverHasBecomeOfTheFile) {
   const TemporaryFolder folder;
-  const auto file = folder.write("training.csv", kHeader + row(30) + row(60) + row(90) + "120,45,1");
-  TrainingCsv log = TrainingCsv::resume(file, 60);
-  EXPECT_EQ(text_of(file), kHeader + row(30) + row(60));
-  log.append(point(90));
-  EXPECT_EQ(text_of(file), kHeader + row(30) + row(60) + row(90));
-}
-
-TEST(TrainingCsv, BeginsAnewWhereThereIsNothingToGoOnWith) {
-  const TemporaryFolder folder;
-  static_cast<void>(TrainingCsv::resume(folder.path() / "training.csv", 60));
-  EXPECT_EQ(text_of(folder.path() / "training.csv"), kHeader);
-}
-
-TEST(TrainingCsv, DoesNotGoOnWithAnotherTable) {
-  const TemporaryFolder folder;
-  const auto file = folder.write("training.csv", "name,value\na,1\n");
-  EXPECT_THROW(static_cast<void>(TrainingCsv::resume(file, 60)), FileError);
-  EXPECT_EQ(text_of(file), "name,value\na,1\n");
+  for (const std::string& left :
+       {kHeader + row(30) + row(60) + row(90) + "120,45,1", kHeader + "30,4", std::string{}}) {
+    const auto file = folder.write("training.csv", left);
+    TrainingCsv log{file, {point(30), point(60)}};
+    EXPECT_EQ(text_of(file), kHeader + row(30) + row(60));
+    log.append(point(90));
+    EXPECT_EQ(text_of(file), kHeader + row(30) + row(60) + row(90));
+  }
 }
 
 TEST(TrainingCsv, NamesLineAndValueOfWhatItCannotRead) {

@@ -151,6 +151,25 @@ TEST_F(StudyFile, NamesTheCulprit) {
   EXPECT_THAT(refusal("\"label\": \"bar\"", "\"label\": \"pdqn:preset=best\""), HasSubstr("occurs twice"));
 }
 
+TEST_F(StudyFile, RefusesSeedsAndInstancesBeyondTheLargestNumber) {
+  EXPECT_THAT(
+      refusal("\"seeds\": {\"first\": 8, \"count\": 3}", "\"seeds\": {\"first\": 18446744073709551615, \"count\": 2}"),
+      HasSubstr(
+          "s.json: at /seeds: 2 numbers from 18446744073709551615 on end above the largest, 18446744073709551615"));
+  EXPECT_THAT(refusal("\"instances\": {\"seed\": 3, \"first\": 5, \"count\": 2}",
+                      "\"instances\": {\"seed\": 1, \"first\": 18446744073709551614, \"count\": 3}"),
+              HasSubstr("/instances: 3 numbers from 18446744073709551614 on"));
+}
+
+TEST_F(StudyFile, TakesTheLargestSeed) {
+  std::string text = kStudy;
+  const std::string seeds = "\"seeds\": {\"first\": 8, \"count\": 3}";
+  const std::size_t at = text.find(seeds);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, seeds.size(), "\"seeds\": {\"first\": 18446744073709551614, \"count\": 2}");
+  EXPECT_EQ(load(text).seeds.back(), 18446744073709551615U);
+}
+
 TEST(BuiltinStudies, AreStudies) {
   const std::vector<std::string> ids = builtin_studies();
   EXPECT_THAT(ids, ::testing::Contains("quick"));

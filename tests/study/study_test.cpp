@@ -115,6 +115,9 @@ TEST(CellsOf, RefusesWhatIsMissingOrTwice) {
   EXPECT_THAT(refused([](Study& s) { s.solvers[1].text.clear(); }), HasSubstr("'b' has no text"));
   EXPECT_THAT(refused([](Study& s) { s.solvers[1].solver = nullptr; }), HasSubstr("'b' is either given or trained"));
   EXPECT_THAT(refused([](Study& s) { s.problems[0].instances->count = 0; }), HasSubstr("0 instances (at least 1)"));
+  EXPECT_THAT(
+      refused([](Study& s) { s.problems[0].instances = InstanceRange{.first = 18446744073709551615U, .count = 2}; }),
+      HasSubstr("2 instances from 18446744073709551615 on (no number may be above 18446744073709551615)"));
   EXPECT_THAT(refused([](Study& s) { s.mass_targets = {-1.0}; }), HasSubstr("a target of -1 % of the mass"));
 }
 

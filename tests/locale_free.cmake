@@ -1,0 +1,20 @@
+# Looks for calls in the libraries, the command line and the checker whose result depends on the locale of the program
+# that makes them: numbers are written with fmt and std::to_chars, and read with std::from_chars.
+# -DSOURCE=<source tree>
+set(calls "[^a-z_](s?n?printf|v?s?n?printf|s?scanf|fscanf|strto(d|f|ld|l|ll|ul|ull)|ato(f|i|l|ll)|std::sto(d|f|ld|i|l|ll|ul|ull)|std::setprecision|std::is(alnum|alpha|upper|lower|print|punct|space|graph)|std::to(lower|upper)|std::put_time|strftime) *\\(")
+set(floating_to_string "std::to_string\\([a-z_.]*(value|mass|seconds|length|bound|score|radius|angle)\\)")
+set(found "")
+foreach(floor kinematics problem solvers baselines rl study app checker)
+  file(GLOB_RECURSE files "${SOURCE}/${floor}/*.cpp" "${SOURCE}/${floor}/*.hpp")
+  foreach(file IN LISTS files)
+    file(STRINGS "${file}" lines REGEX "${calls}|${floating_to_string}|std::[io]?stringstream [a-z]")
+    foreach(line IN LISTS lines)
+      if(NOT line MATCHES "^ *//")
+        string(APPEND found "${file}: ${line}\n")
+      endif()
+    endforeach()
+  endforeach()
+endforeach()
+if(found)
+  message(FATAL_ERROR "numbers by the locale of the program:\n${found}")
+endif()
