@@ -113,7 +113,9 @@ CheckerVerdict run_checker(const std::filesystem::path& file, double seconds, st
     const std::string why = late ? fmt::format("modsearch-check was not done after {:g} s", seconds) : "interrupted";
     return {CheckerVerdict::Kind::kNotDone, why, taken()};
   }
-  CheckerVerdict verdict = verdict_of(child.wait(), output);
+  const int status = child.wait();
+  if (stop.stop_requested()) return {CheckerVerdict::Kind::kNotDone, "interrupted", taken()};
+  CheckerVerdict verdict = verdict_of(status, output);
   verdict.seconds = taken();
   return verdict;
 }

@@ -150,13 +150,24 @@ PathCheck check_path(const Arm& arm, const Scene& scene, const Path& path, doubl
   PathCheck check;
   check.clearance = check.self_clearance = std::numeric_limits<double>::infinity();
   bool collides = false;
+  const auto measure = [&](const Posture& posture) {
+    check.clearance = scene.clearance(arm, posture, check.work, check.clearance);
+    if (self_collision) check.self_clearance = self_clearance(arm, posture, check.work, check.self_clearance);
+  };
+  // Some states first: a distance is dear where it may be the least so far, and cheap where it cannot. Among meshes the
+  // look at all of them then takes a fraction of the time.
+  constexpr std::int64_t kEvery = 64;
+  std::int64_t state = 0;
+  static_cast<void>(walk("check_path", arm, path, resolution, [&](const Posture& posture) {
+    if (state++ % kEvery == 0) measure(posture);
+    return true;
+  }));
   const std::optional<bool> within = walk("check_path", arm, path, resolution, [&](const Posture& posture) {
     ++check.work.forward;
     ++check.work.planner_states;
     collides = collides || scene.collides(arm, posture, check.work) ||
                (self_collision && self_collides(arm, posture, check.work));
-    check.clearance = scene.clearance(arm, posture, check.work, check.clearance);
-    if (self_collision) check.self_clearance = self_clearance(arm, posture, check.work, check.self_clearance);
+    measure(posture);
     return true;
   });
   if (!within) return check;

@@ -82,6 +82,29 @@ TEST(FollowTask, IsFollowedPoseByPoseOnOneBranch) {
   EXPECT_TRUE(result.path->times.empty());
 }
 
+// Once around a circle of 1.5 m, beginning at 90 degrees, either way. Joints that turn two and a half times around meet
+// it from where inverse kinematics finds them, within half a turn of 0, or a turn back: with 360 degrees to either side
+// the shoulder has to begin a turn back, for it goes on by a whole one.
+TEST(FollowTask, BeginsATurnBackWhereAJointWouldRunIntoItsLimit) {
+  for (const double way : {1.0, -1.0}) {
+    std::vector<PoseRegion> poses;
+    for (int k = 0; k <= 72; ++k) {
+      const double angle = 0.5 * kPi + way * 2.0 * kPi * k / 72.0;
+      poses.push_back(PoseRegion::ball({1.5 * std::cos(angle), 1.5 * std::sin(angle), 0.0}, 1e-3));
+    }
+    FollowStep circle = follow("circle", {std::move(poses), {}}, 0);
+    const GoalTask task{{.name = "circle", .goals = circle.goals, .steps = {circle.step}}};
+    const Chain chain = two_links({.position = 2.0 * kPi});
+    const Attempt result = attempt(task, chain, Level::kPosture);
+    ASSERT_TRUE(result.achieved) << way << ": " << name(result.why);
+    const Eigen::MatrixXd& rows = result.trajectories[0];
+    EXPECT_NEAR(rows(rows.rows() - 1, 0) - rows(0, 0), way * 2.0 * kPi, 1e-3);
+    EXPECT_LE(rows.cwiseAbs().maxCoeff(), 2.0 * kPi);
+    const Chain too_narrow = two_links({.position = 0.9 * kPi});
+    EXPECT_FALSE(attempt(task, too_narrow, Level::kPosture).achieved) << "where less than a whole turn is possible";
+  }
+}
+
 TEST(FollowTask, SaysWhichPartWasNotFollowed) {
   // Beyond 2 m, where the line from (1, 0) to (3, 0) is half done, the arm is too short.
   const Attempt result = attempt(follow_task({1.0, 0.0, 0.0}, {3.0, 0.0, 0.0}), two_links(), Level::kNone);
@@ -123,6 +146,28 @@ TEST(GoalTask, TellsLimitsAndProofsFromTheRest) {
 }
 
 // Goals on one circle, so that only the first joint has to move: at 2, -1 and 1 rad beyond what the elbow adds.
+// Two links of 1 m: exact inverse kinematics. A point 3 m away is out of reach, one at 1 m is reached in two postures,
+// and a ball of 0.6 m about it overlaps both: others within the tolerance were not looked at.
+TEST(GoalTask, CallsAVerdictInconclusiveWhereASearchGaveUp) {
+  const Chain chain = two_links();
+  const auto tried = [&](const Goal& goal, const Scene& scene, Level level, Eigen::VectorXd home = {}) {
+    return attempt(GoalTask{"task", {goal}, std::move(home)}, chain, level, scene);
+  };
+  EXPECT_FALSE(tried(point("far", 3.0, 0.0), {}, Level::kNone).inconclusive);
+  EXPECT_FALSE(tried(point("near", 1.0, 0.0), {}, Level::kNone).inconclusive) << "it is achieved";
+  const Scene blocked{{{"ball", {{Sphere{0.6}, at(1.0, 0.0, 0.0)}}}}};
+  const Attempt hit = tried(point("near", 1.0, 0.0), blocked, Level::kPosture);
+  EXPECT_EQ(hit.why, Failure::kObstacle);
+  EXPECT_TRUE(hit.inconclusive);
+  const Goal pose{"pose", GoalType::kReach, PoseRegion::with_default_tolerances(at(1.0, 0.0, 0.5))};
+  EXPECT_TRUE(tried(pose, {}, Level::kNone).inconclusive) << "inverse kinematics for poses is numerical";
+  const Scene at_home{{{"ball", {{Sphere{0.3}, at(-1.0, 0.0, 0.0)}}}}};
+  const Eigen::Vector2d home{kPi, 0.0};
+  const Attempt cannot_begin = tried(point("near", 1.0, 0.0), at_home, Level::kPath, home);
+  EXPECT_EQ(cannot_begin.why, Failure::kHomeInCollision);
+  EXPECT_FALSE(cannot_begin.inconclusive) << "the task asks for that home";
+}
+
 TEST(AnyOrder, IsTheShortestOne) {
   const std::vector<Goal> goals{point("far", 1.9, 2.0), point("back", 1.9, -1.0), point("near", 1.9, 1.0)};
   const Chain chain = two_links();

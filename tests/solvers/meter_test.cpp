@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <deque>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/solvers/archive.hpp>
 #include <modsearch/solvers/meter.hpp>
 #include <modsearch/solvers/solver.hpp>
@@ -390,6 +391,50 @@ TEST(Solver, AnswersWithTheEmptyDesignIfNothingWasEvaluated) {
   EXPECT_EQ(solution.evaluation.score, -kInf);
   EXPECT_FALSE(solution.evaluation.attempt.achieved);
   EXPECT_EQ(solution.stop, StopReason::kEvaluations);
+}
+
+/// A problem whose evaluations never end by themselves; somebody asks to stop in the middle of the third.
+class Endless final : public DesignProblem {
+ public:
+  explicit Endless(std::stop_source& stop) : stop_{stop} {}
+  [[nodiscard]] std::string name() const override { return "endless"; }
+  [[nodiscard]] const ModuleLibrary& library() const override { return sound_.library(); }
+  [[nodiscard]] int max_modules() const override { return 3; }
+  [[nodiscard]] Eigen::VectorXd context() const override { return {}; }
+
+ private:
+  [[nodiscard]] Evaluation do_evaluate(const Design& design, Fidelity fidelity) const override {
+    if (++calls_ <= 2) return sound_.evaluate(design, fidelity);
+    stop_.request_stop();
+    for (;;) interruption_point();
+  }
+
+  std::stop_source& stop_;
+  Script sound_{{{.score = 1.0}, {.score = 2.0}}};
+  mutable int calls_ = 0;
+};
+
+TEST(Meter, CountsNothingOfAnEvaluationThatIsCutOff) {
+  std::stop_source stop;
+  const Endless problem{stop};
+  Meter meter{{.evaluations = 100}, {}, stop.get_token()};
+  EXPECT_TRUE(meter.evaluate(problem, Design{}));
+  EXPECT_TRUE(meter.evaluate(problem, Design{}));
+  EXPECT_FALSE(meter.evaluate(problem, Design{}));
+  EXPECT_EQ(meter.stopped(), StopReason::kInterrupted);
+  const Progress progress = meter.progress();
+  EXPECT_EQ(progress.evaluations, 2);
+  EXPECT_EQ(progress.failed, 0);
+  EXPECT_EQ(std::accumulate(progress.outcomes.begin(), progress.outcomes.end(), std::int64_t{0}), 2);
+  EXPECT_EQ(meter.best()->evaluation.score, 2.0);
+}
+
+// The budget of evaluations is no reason to stop in the middle of the last.
+TEST(Meter, FinishesTheLastEvaluationOfItsBudget) {
+  const Script problem{{{.score = 1.0}}};
+  Meter meter{{.evaluations = 1}};
+  EXPECT_TRUE(meter.evaluate(problem, Design{}));
+  EXPECT_EQ(meter.stopped(), StopReason::kEvaluations);
 }
 
 }  // namespace
