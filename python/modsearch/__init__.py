@@ -37,6 +37,7 @@ from ._core import (
     random_design,
 )
 from .certificates import Certificate, CertificateCheck, certify, check_certificate
+from .gym import register_environments as _register_environments
 from .solution import Bound, Solution, load_solution
 from .solving import Progress, SolverEntry, evaluate, list_solvers, solve, verify
 
@@ -84,7 +85,5 @@ for _public in [globals()[_name] for _name in __all__]:
     if isinstance(_public, type):
         _public.__module__ = "modsearch"
 del _public
-
-from .gym import register_environments as _register_environments
 
 _register_environments()

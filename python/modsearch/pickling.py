@@ -19,4 +19,4 @@ def _reduced(problem: RobotProblem) -> tuple[Any, ...]:
     return _loaded, (problem.reference, problem.instance, problem.level)
 
 
-copyreg.pickle(RobotProblem, _reduced)  # type: ignore[arg-type]
+copyreg.pickle(RobotProblem, _reduced)

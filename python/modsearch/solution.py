@@ -85,9 +85,7 @@ class Solution:
 
     def __repr__(self) -> str:
         standing = "achieved" if self.achieved else f"not achieved: {self.evaluation.why}"
-        design = self.design
-        if isinstance(self.problem, DesignProblem):
-            design = self.problem.library.describe(design)
+        design = repr(self.design) if self.problem is None else self.problem.library.describe(self.design)
         ended = f", ended: {self.stop}" if self.stop else ""
         return (
             f"<Solution {design}, score {self.score:.6f}, {standing}; "
@@ -99,10 +97,9 @@ class Solution:
 
         Raises ValueError for a problem that was not loaded from a file or by its ID.
         """
-        problem = self._loaded_problem()
-        reference = problem.reference
+        problem, reference = self._loaded_problem()
         if reference not in _core.list_problems():
-            reference = os.path.relpath(reference, folder)
+            reference = os.path.relpath(reference, os.fspath(folder))
         return _core._solution_json(problem, reference, self.design, self.evaluation, self._facts())
 
     def save(self, file: str | os.PathLike[str]) -> None:
@@ -142,11 +139,11 @@ class Solution:
             raise ValueError("the solution's problem is no robot problem: there is no arm to show")
         return self.problem
 
-    def _loaded_problem(self) -> RobotProblem:
+    def _loaded_problem(self) -> tuple[RobotProblem, str]:
         problem = self._robot_problem()
         if problem.reference is None:
             raise ValueError("the solution's problem has neither a file nor an ID that a solution file could name")
-        return problem
+        return problem, problem.reference
 
     def _command(self) -> str:
         problem = self._robot_problem()

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 if TYPE_CHECKING:
     from ._core import Design, DesignProblem, ModuleLibrary
 
-DesignLike: TypeAlias = Union["Design", Iterable[Union[str, tuple[str, ArrayLike]]]]
+DesignLike: TypeAlias = Union["Design", Iterable[str | tuple[str, ArrayLike]]]
 """What stands for a design: a Design, or (type, parameters) for each module, base to tip."""
 
 LibraryLike: TypeAlias = Union["ModuleLibrary", "DesignProblem", str, "os.PathLike[str]"]

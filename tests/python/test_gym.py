@@ -84,7 +84,9 @@ def test_the_reward_may_be_what_a_step_adds():
     problem = modsearch.load_problem("seed/fixed")
     scores = [problem.evaluate([]).score]
     for _ in range(3):
-        _, reward, _, _, info = env.step((0, (np.zeros(1, np.float32), np.zeros(2, np.float32), np.zeros(2, np.float32))))
+        _, reward, _, _, info = env.step(
+            (0, (np.zeros(1, np.float32), np.zeros(2, np.float32), np.zeros(2, np.float32)))
+        )
         scores.append(info["score"])
         assert reward == pytest.approx(scores[-1] - scores[-2], abs=1e-12)
 
@@ -137,7 +139,9 @@ def test_the_flat_space_takes_the_preferred_of_the_types_that_may_follow():
 
 
 def test_three_forms_of_one_action_are_one_action():
-    hybrid, flat, binned = (make(name, problem="seed/fixed", **({"bins": 3} if "Binned" in name else {})) for name in IDS)
+    hybrid, flat, binned = (
+        make(name, problem="seed/fixed", **({"bins": 3} if "Binned" in name else {})) for name in IDS
+    )
     for env in (hybrid, flat, binned):
         env.reset(seed=0)
     rewards = [
@@ -232,7 +236,8 @@ def test_a_vector_does_what_its_environments_do_alone_whatever_the_threads(name,
     for _ in range(steps):
         actions = vector.action_space.sample()
         observations, rewards, terminations, truncations, infos = vector.step(actions)
-        for i, (env, action) in enumerate(zip(alone, gymnasium.vector.utils.iterate(vector.action_space, actions))):
+        each = gymnasium.vector.utils.iterate(vector.action_space, actions)
+        for i, (env, action) in enumerate(zip(alone, each, strict=True)):
             if over[i]:
                 observation, info = env.reset()
                 reward, terminated, truncated = 0.0, False, False

@@ -16,7 +16,7 @@ from modsearch.program import program
 
 
 class Mast(modsearch.DesignProblem):
-    """The tallest mast of at most four kilograms: stretched out, an arm of the library seed is as high as it is heavy."""
+    """The tallest mast of at most 4 kg: stretched out, an arm of the library seed is as high as it is heavy."""
 
     def __init__(self, faults=()):
         super().__init__("mast", library="seed", max_modules=4, context=[4.0])
@@ -311,7 +311,9 @@ def test_a_solution_file_names_its_problem_file_from_where_it_lies(tmp_path):
 
 def test_verify_finds_a_claim_that_does_not_hold(fixed, lever):
     solution = modsearch.solve(fixed)
-    forged = modsearch.Solution(design=solution.design, problem=fixed, evaluation=modsearch.Evaluation(999.0, achieved=True))
+    forged = modsearch.Solution(
+        design=solution.design, problem=fixed, evaluation=modsearch.Evaluation(999.0, achieved=True)
+    )
     verification = modsearch.verify(fixed, forged)
     assert not verification and any("not 999 as claimed" in finding for finding in verification.findings)
 
@@ -346,8 +348,11 @@ def test_python_m_modsearch_is_the_command_line():
         command = [sys.executable, "-m", "modsearch", *words]
         return subprocess.run(command, capture_output=True, text=True, check=False)
 
-    assert run("list", "problems").stdout == subprocess.run(
-        [program("modsearch"), "list", "problems"], capture_output=True, text=True, check=False
-    ).stdout
+    assert (
+        run("list", "problems").stdout
+        == subprocess.run(
+            [program("modsearch"), "list", "problems"], capture_output=True, text=True, check=False
+        ).stdout
+    )
     refused = run("solve", "nowhere.json")
     assert refused.returncode == 2 and "nowhere.json" in refused.stderr

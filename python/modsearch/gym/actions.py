@@ -18,7 +18,10 @@ Mask = NDArray[np.int8]
 class Actions(Protocol):
     """What an agent gives, as the type k and the parameters x_k that it stands for, each in [-1, 1]."""
 
-    space: spaces.Space[Any]
+    @property
+    def space(self) -> spaces.Space[Any]:
+        """What an agent chooses from."""
+        ...
 
     def decode(self, action: Any, mask: Mask) -> tuple[int, Numbers]:
         """One action; `mask` [K]: types that may follow."""
@@ -90,8 +93,8 @@ class Flat:
 
 
 class Binned:
-    """MultiDiscrete([K, B, .., B]): the type, and for each parameter one of B values evenly spread over its interval, as
-    many as the type with most parameters has. The parameters of all types share these places."""
+    """MultiDiscrete([K, B, .., B]): the type, and for each parameter one of B values evenly spread over its interval,
+    as many as the type with most parameters has. The parameters of all types share these places."""
 
     def __init__(self, counts: list[int], bins: int) -> None:
         if bins < 2:

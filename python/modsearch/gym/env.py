@@ -24,7 +24,7 @@ def problem_steps(problem: str | os.PathLike[str] | DesignProblem, instance: tup
     return max(2, 4 * (known.max_modules - 1))
 
 
-def observation_box(size: int) -> spaces.Box:
+def observation_box(size: int) -> spaces.Box[np.float32]:
     """Numbers about in [-1, 1]; what lies beyond the ends of the space is clipped."""
     return spaces.Box(-_core._Episodes.bound, _core._Episodes.bound, (size,), np.float32)
 

@@ -80,7 +80,9 @@ class DesignVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         which = options.pop("reset_mask", None)
         if options:
             raise ValueError(f"options: {sorted(options)} are not known, only 'reset_mask'")
-        observations, self._masks = self._episodes.reset(None if which is None else np.ascontiguousarray(which, np.bool_))
+        observations, self._masks = self._episodes.reset(
+            None if which is None else np.ascontiguousarray(which, np.bool_)
+        )
         return observations, self._nothing()
 
     def step(
@@ -122,7 +124,12 @@ class DesignVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         scores: NDArray[np.float64],
     ) -> dict[str, Any]:
         """As Gymnasium has them: beside each entry, under its name with "_", which environments it speaks of."""
-        infos = {"action_mask": self._masks.copy(), "masked": masked, "failed": failed, "achieved": achieved}
+        infos: dict[str, Any] = {
+            "action_mask": self._masks.copy(),
+            "masked": masked,
+            "failed": failed,
+            "achieved": achieved,
+        }
         for key in list(infos):
             infos["_" + key] = np.ones(self.num_envs, np.bool_)
         known = ~np.isnan(scores)
@@ -134,8 +141,8 @@ class DesignVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
     def _nothing(self) -> dict[str, Any]:
         """The infos of episodes that have just begun."""
         n = self.num_envs
-        flags = [np.zeros(n, np.bool_) for _ in range(3)]
-        return self._infos(*flags, np.full(n, np.nan))
+        masked, failed, achieved = (np.zeros(n, np.bool_) for _ in range(3))
+        return self._infos(masked, failed, achieved, np.full(n, np.nan))
 
     def _finish(self, infos: dict[str, Any], ended: NDArray[np.bool_], last: Observation) -> None:
         """SameStep: what belongs to the episodes that ended goes to final_info, and the rest speaks of the new ones."""
