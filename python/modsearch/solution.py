@@ -154,6 +154,8 @@ class Solution:
             words += ["--instance", "{}:{}".format(*problem.instance)]
         options = {key: value for key, value in self.options.items() if key != "refine"}
         text = ",".join(f"{key}={value}" for key, value in options.items())
+        if self.solver == "policy":
+            text = options.get("file", "")
         words += ["--solver", self.solver + (":" + text if text else "")]
         if "refine" in self.options:
             words.append("--refine")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import sys
 from collections.abc import Callable
 from typing import Literal, NamedTuple
@@ -42,12 +43,20 @@ def list_solvers() -> list[SolverEntry]:
     return [SolverEntry(*entry) for entry in _core._list_solvers()]
 
 
+def _check_problem(problem: object, kind: type[DesignProblem] = DesignProblem) -> None:
+    if isinstance(problem, kind):
+        return
+    hint = "; load_problem makes one of a file or an ID" if isinstance(problem, str | os.PathLike) else ""
+    raise TypeError(f"problem: {problem!r} is no {kind.__name__}{hint}")
+
+
 def evaluate(problem: DesignProblem, design: DesignLike) -> Evaluation:
     """Score and terms of `design`; the empty design is allowed.
 
     Raises ValueError (module, parameter, value, limit) for a design outside the search space, EvaluationError for what
     a problem of your own raised.
     """
+    _check_problem(problem)
     return problem.evaluate(design)
 
 
@@ -87,6 +96,9 @@ def solve(
 
     Raises ValueError for a solver, option or budget that is none, FileError for a policy that cannot be used.
     """
+    _check_problem(problem)
+    if not 0 <= seed < 2**64:
+        raise ValueError(f"seed: {seed} is not in [0, 2^64)")
     if until is None:
         target = math.inf
     elif until == "achieved":
@@ -118,6 +130,7 @@ def verify(problem: RobotProblem, design: DesignLike | Solution, *, refinement: 
 
     Raises ValueError for a design outside the search space, TypeError for a problem that is no RobotProblem.
     """
+    _check_problem(problem, RobotProblem)
     if not isinstance(design, Solution):
         return _core._verify(problem, design, None, None, None, None, refinement)
     evaluation = design.evaluation

@@ -41,7 +41,7 @@ nb::tuple step(Episodes& self, int k, const Parameters32& x_k) {
     outcome = self.step(k, {x_k.data(), x_k.size()});
   }
   return nb::make_tuple(observation_of(self), outcome.reward, outcome.terminated, outcome.truncated, mask_of(self),
-                        outcome.masked, outcome.failed, outcome.score, outcome.achieved);
+                        outcome.masked, outcome.failed, outcome.score, outcome.achieved, outcome.failure);
 }
 
 std::vector<int> counts_of(const HybridSpace& space) {

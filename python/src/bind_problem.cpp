@@ -134,21 +134,13 @@ Evaluation evaluate(const DesignProblem& self, nb::handle design, const std::str
   const Fidelity wanted = fidelity_named(fidelity);
   Witness witness;
   if (!postures.is_none()) witness.postures = to_matrix(postures, "postures");
-  try {
-    const nb::gil_scoped_release released;
-    return self.evaluate(resolved_design, wanted, witness);
-  } catch (const Interrupted& interrupted) {
-    throw interrupted.error;
-  }
+  const nb::gil_scoped_release released;
+  return self.evaluate(resolved_design, wanted, witness);
 }
 
 std::vector<std::string> successors(const DesignProblem& self, nb::handle design) {
   const std::vector<int> types = design_from(self.library(), design).types();
-  try {
-    return type_names(self.library(), self.successors(types));
-  } catch (const Interrupted& interrupted) {
-    throw interrupted.error;
-  }
+  return type_names(self.library(), self.successors(types));
 }
 
 nb::object with_origin(std::shared_ptr<const RobotProblem> problem, Origin origin) {
@@ -317,6 +309,13 @@ std::string reference_from(nb::handle object) {
 }
 
 void bind_problem(nb::module_& m) {
+  nb::register_exception_translator([](const std::exception_ptr& pointer, void*) {
+    try {
+      std::rethrow_exception(pointer);
+    } catch (Interrupted& interrupted) {
+      interrupted.error.restore();
+    }
+  });
   nb::class_<Origin>(m, "_Origin");
   bind_goal(m);
   bind_design_problem(m);

@@ -68,8 +68,8 @@ class VectorEpisodes {
     return nb::make_tuple(views.observations, views.masks);
   }
 
-  /// (observations, rewards, terminations, truncations, masks, masked, failed, scores, achieved, final observations or
-  /// None).
+  /// (observations, rewards, terminations, truncations, masks, masked, failed, scores, achieved, failures, final
+  /// observations or None).
   nb::tuple step(const Types& types, const Slots& parameters) {
     if (types.shape(0) != n() || parameters.shape(0) != n()) {
       throw std::invalid_argument(fmt::format("{} actions with parameters for {} of {} environments", types.shape(0),
@@ -85,6 +85,7 @@ class VectorEpisodes {
     Array<bool> failed = new_array<bool>({n()});
     Array<double> scores = new_array<double>({n()});
     Array<bool> achieved = new_array<bool>({n()});
+    std::vector<std::string> failures(n());
     Array<float> last = new_array<float>({same_step ? n() : 0, size});
     const std::size_t width = parameters.shape(1);
     const auto take = [&](std::size_t i) {
@@ -110,12 +111,13 @@ class VectorEpisodes {
       failed.data()[i] = outcome.failed;
       scores.data()[i] = outcome.score.value_or(std::numeric_limits<double>::quiet_NaN());
       achieved.data()[i] = outcome.achieved;
+      failures[i] = std::move(outcome.failure);
       views.write(*this, i);
     };
     run(take);
     const nb::object final_observations = same_step ? nb::cast(last) : nb::none();
     return nb::make_tuple(views.observations, rewards, terminations, truncations, views.masks, masked, failed, scores,
-                          achieved, final_observations);
+                          achieved, failures, final_observations);
   }
 
  private:

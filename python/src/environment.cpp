@@ -16,8 +16,8 @@ Episodes::Episodes(ProblemSource source, DesignEnvironmentOptions options, int m
       [this](const DesignProblem& problem, const Design& design, Fidelity fidelity) -> std::optional<Evaluation> {
         try {
           return problem.evaluate(design, fidelity);
-        } catch (const EvaluationError&) {
-          failed_ = true;
+        } catch (const EvaluationError& error) {
+          failure_ = error.what();
           return std::nullopt;
         }
       });
@@ -61,10 +61,11 @@ Outcome Episodes::step(int k, std::span<const float> x_k) {
       throw std::invalid_argument(fmt::format("action {}: {} parameters, {} are needed", k, x_k.size(), n));
     action_.k = k;
     std::copy_n(x_k.begin(), n, action_.x.data() + space().offset(k));
-    failed_ = false;
+    failure_.clear();
     const Step step = environment_.step(action_);
     outcome.reward = step.reward;
-    outcome.failed = failed_ || step.unpaid;
+    outcome.failed = step.unpaid;
+    if (outcome.failed) outcome.failure = failure_.empty() ? "the score is not a number" : failure_;
     outcome.truncated = step.unpaid;  // what follows is not known
     // Where nothing may follow, that is how the task ends: no value is missed.
     outcome.terminated = step.terminated || (step.truncated && !step.unpaid);

@@ -5,6 +5,7 @@
 #include <modsearch/rl/design_environment.hpp>
 #include <optional>
 #include <span>
+#include <string>
 
 namespace modsearch::python {
 
@@ -13,8 +14,9 @@ struct Outcome {
   double reward = 0.0;
   bool terminated = false;
   bool truncated = false;
-  bool masked = false;  ///< the type was not allowed: the design stayed as it was
-  bool failed = false;  ///< the problem could not evaluate the design
+  bool masked = false;    ///< the type was not allowed: the design stayed as it was
+  bool failed = false;    ///< the problem could not evaluate the design
+  std::string failure{};  ///< and what it had to say
   /// Of the design so far; nothing before the first module and after a failed evaluation.
   std::optional<double> score{};
   bool achieved = false;
@@ -30,6 +32,8 @@ class Episodes {
   /// `max_steps`: an episode is truncated after so many, masked ones included; at least 2, for a first step that is cut
   /// off teaches nothing. Throws what DesignEnvironment throws.
   Episodes(ProblemSource source, DesignEnvironmentOptions options, int max_steps);
+  Episodes(const Episodes&) = delete;  // its environment evaluates through it
+  Episodes& operator=(const Episodes&) = delete;
 
   [[nodiscard]] const DesignEnvironment& environment() const { return environment_; }
   [[nodiscard]] const HybridSpace& space() const { return environment_.space(); }
@@ -62,7 +66,7 @@ class Episodes {
   std::uint64_t episode_ = 0;
   int steps_ = 0;
   bool running_ = false;
-  bool failed_ = false;  // the last evaluation
+  std::string failure_;  // what the last evaluation threw; empty: nothing
   HybridAction action_;  // used again and again
 };
 

@@ -8,6 +8,7 @@ NB_MODULE(_core, m) {
   namespace nb = nanobind;
   using namespace modsearch;
 
+  nb::set_leak_warnings(false);  // objects that a traceback or a notebook still holds at exit are no leaks
   m.doc() = "The C++ core of modsearch, as the package modsearch uses it. Its names are those of modsearch.";
   m.attr("__version__") = MODSEARCH_VERSION;
   nb::exception<FileError>(m, "FileError", PyExc_ValueError).attr("__doc__") =

@@ -171,6 +171,7 @@ def test_what_an_own_problem_raises_ends_the_episode_without_a_reward():
     env.reset(seed=0)
     _, reward, terminated, truncated, info = env.step(hinge(0.5, 1.0))
     assert reward == 0.0 and truncated and info["failed"] and not terminated and "score" not in info
+    assert info["failure"] == "ValueError: no"
 
 
 def test_an_instance_can_be_fixed_for_all_episodes_or_for_one():
@@ -310,3 +311,17 @@ def test_observations_of_different_steps_share_no_memory():
     second, _, _, _, more = vector.step(LINK)
     assert not np.shares_memory(first, second)
     assert not np.shares_memory(infos["action_mask"], more["action_mask"])
+
+
+def test_keyboard_interrupt_in_an_own_problem_is_raised_by_a_step():
+    class Interrupted(OneModule):
+        def do_evaluate(self, design, fidelity):
+            raise KeyboardInterrupt
+
+    for env in (
+        gymnasium.make("modsearch/Design-Flat-v0", problem=Interrupted()),
+        gymnasium.make_vec("modsearch/Design-Flat-v0", num_envs=4, problem=Interrupted(), threads=2),
+    ):
+        env.reset(seed=0)
+        with pytest.raises(KeyboardInterrupt):
+            env.step(env.action_space.sample())

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -86,6 +87,7 @@ def test_seconds_end_a_search(fixed):
         ({"solver": "nope"}, "solver 'nope' is not one of"),
         ({"solver": "ga:size=3"}, "has no option 'size'"),
         ({"solver": 3}, "neither the name of a solver nor a Solver"),
+        ({"seed": -1}, "seed: -1 is not in"),
         ({"evaluations": -1}, "a budget must be at least 0"),
         ({"seconds": float("nan")}, "a budget must be at least 0"),
         ({"until": "reached"}, "neither 'achieved' nor a score"),
@@ -94,6 +96,18 @@ def test_seconds_end_a_search(fixed):
 def test_a_bad_argument_is_a_value_error(fixed, arguments, complaint):
     with pytest.raises(ValueError, match=complaint):
         modsearch.solve(fixed, **arguments)
+
+
+def test_what_is_no_problem_is_a_type_error_that_says_how_to_make_one():
+    with pytest.raises(TypeError, match="'seed/fixed' is no DesignProblem; load_problem makes one"):
+        modsearch.solve("seed/fixed")
+    with pytest.raises(TypeError, match="is no RobotProblem"):
+        modsearch.verify(Mast(), [])
+
+
+def test_numbers_of_numpy_are_numbers(fixed):
+    solution = modsearch.solve(fixed, "random", evaluations=np.int64(20), seed=np.uint64(3), until=np.float32(1e6))
+    assert solution.evaluations == 20
 
 
 def test_a_policy_that_is_missing_is_a_file_error(fixed):
@@ -245,6 +259,19 @@ def test_other_threads_run_during_a_search(fixed):
     stop.set()
     thread.join()
     assert after > before
+
+
+def test_threads_that_search_at_once_find_what_one_alone_finds():
+    def scores(solver):
+        problems = [modsearch.load_problem("seed/random_obstacles", (0, i)) for i in range(4)]
+        return [modsearch.solve(problem, solver, evaluations=20).score for problem in problems]
+
+    # Ipopt's linear solver is not made for threads: the library lets them take turns.
+    for solver in ("per-sequence:inner=ipopt", "per-sequence:inner=own", "ga"):
+        alone = scores(solver)
+        with ThreadPoolExecutor(4) as pool:
+            for together in pool.map(scores, [solver] * 4):
+                assert together == alone
 
 
 SEARCH = """

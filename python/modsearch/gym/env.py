@@ -43,8 +43,8 @@ class DesignEnv(gymnasium.Env[Observation, Any]):
     Observation: float32, the modules so far, the share of modules placed, and the instance (docs/python.md). An action
     whose type may not follow is no error: the design stays, the step counts, the reward is 0 and info["masked"] is
     True. An episode is terminated when its end is reached, and when there is no room for another module. `info` has
-    "action_mask" (int8 [K], for Discrete.sample), "masked", "failed" (the problem raised an exception), "achieved", and
-    "score" once there is one.
+    "action_mask" (int8 [K], for Discrete.sample), "masked", "failed" (the problem raised an exception, which ends the
+    episode; "failure" has its words), "achieved", and "score" once there is one.
     """
 
     metadata = {"render_modes": ["html"], "render_fps": 1}
@@ -98,8 +98,11 @@ class DesignEnv(gymnasium.Env[Observation, Any]):
         """Places a module. Raises RuntimeError outside an episode, ValueError for an action that is none (NaN)."""
         k, x_k = self._actions.decode(action, self._mask)
         result = self._episodes.step(k, x_k)
-        observation, reward, terminated, truncated, self._mask, masked, failed, score, achieved = result
-        return observation, reward, terminated, truncated, self._info(masked, failed, score, achieved)
+        observation, reward, terminated, truncated, self._mask, masked, failed, score, achieved, failure = result
+        info = self._info(masked, failed, score, achieved)
+        if failed:
+            info["failure"] = failure
+        return observation, reward, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Which discrete choices may be taken now: [K]; with binned actions [K + P * bins], as MaskablePPO wants it."""

@@ -91,9 +91,12 @@ class DesignVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         """Takes an action in every environment; see DesignEnv.step."""
         types, parameters = self._actions.decode_batch(actions, self._masks)
         result = self._episodes.step(types, parameters)
-        observations, rewards, terminated, truncated, masks, masked, failed, scores, achieved, last = result
+        observations, rewards, terminated, truncated, masks, masked, failed, scores, achieved, failures, last = result
         self._masks = masks
         infos = self._infos(masked, failed, achieved, scores)
+        if failed.any():
+            infos["failure"] = np.array(failures, dtype=object)
+            infos["_failure"] = failed.copy()
         if last is not None:
             self._finish(infos, terminated | truncated, last)
         return observations, rewards, terminated, truncated, infos
