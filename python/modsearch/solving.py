@@ -60,14 +60,34 @@ def evaluate(problem: DesignProblem, design: DesignLike) -> Evaluation:
     return problem.evaluate(design)
 
 
-def _print_progress(progress: Progress) -> None:
-    standing = "nothing yet" if progress.score is None else f"best {progress.score:.6g}"
-    if progress.score is not None and not progress.achieved:
-        standing += " (not achieved)"
-    failed = f", {progress.failed} failed" if progress.failed else ""
-    stage = f"; {progress.stage}" if progress.stage else ""
-    line = f"{progress.seconds:.1f} s, {progress.evaluations} evaluations{failed}: {standing}{stage}"
-    print(f"\r\x1b[K{line}" if sys.stderr.isatty() else line, end="" if sys.stderr.isatty() else "\n", file=sys.stderr)
+class _ProgressLine:
+    """Shows progress as one line that is written over in a terminal or a notebook, else as a line every five seconds."""
+
+    def __init__(self) -> None:
+        self._over = sys.stderr.isatty() or "ipykernel" in sys.modules
+        self._due = 0.0
+        self._width = 0
+
+    def __call__(self, progress: Progress) -> None:
+        if progress.seconds < self._due:
+            return
+        standing = "nothing yet" if progress.score is None else f"best {progress.score:.6g}"
+        if progress.score is not None and not progress.achieved:
+            standing += " (not achieved)"
+        failed = f", {progress.failed} failed" if progress.failed else ""
+        stage = f"; {progress.stage}" if progress.stage else ""
+        line = f"{progress.seconds:.1f} s, {progress.evaluations} evaluations{failed}: {standing}{stage}"
+        if self._over:
+            print("\r" + line.ljust(self._width), end="", file=sys.stderr, flush=True)
+            self._width = len(line)
+        else:
+            print(line, file=sys.stderr, flush=True)
+            self._due = progress.seconds + 5.0
+
+    def close(self) -> None:
+        """Leaves the line."""
+        if self._over and self._width:
+            print(file=sys.stderr)
 
 
 def solve(
@@ -107,13 +127,14 @@ def solve(
         raise ValueError(f"until: {until!r} is neither 'achieved' nor a score")
     else:
         target = float(until)
-    show = _print_progress if progress is True else progress
+    line = _ProgressLine() if progress is True else None
+    show = line or progress
     callback = (lambda *fields: show(Progress(*fields))) if callable(show) else None
     try:
         found = _core._solve(problem, solver, evaluations, seconds, target, seed, refine, callback)
     finally:
-        if progress is True and sys.stderr.isatty():
-            print(file=sys.stderr)
+        if line is not None:
+            line.close()
     if found["bound"] is not None:
         found["bound"] = Bound(*found["bound"])
     if until == "achieved" and found["stop"] == "target score":

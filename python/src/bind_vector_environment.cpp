@@ -56,14 +56,14 @@ class VectorEpisodes {
     if (which && which->shape(0) != n()) {
       throw std::invalid_argument(fmt::format("a mask of {} for {} environments", which->shape(0), n()));
     }
-    const Views views = new_views();
+    const Views views = new_views(n());
     const bool* marked = which ? which->data() : nullptr;
     run([&](std::size_t i) {
       if (marked == nullptr || marked[i]) {
         at(i).reset();
         ended_[i] = 0;
       }
-      views.write(*this, i);
+      views.write(at(i), i);
     });
     return nb::make_tuple(views.observations, views.masks);
   }
@@ -75,9 +75,9 @@ class VectorEpisodes {
       throw std::invalid_argument(fmt::format("{} actions with parameters for {} of {} environments", types.shape(0),
                                               parameters.shape(0), n()));
     }
-    const Views views = new_views();
     const bool same_step = autoreset_ == Autoreset::kSameStep;
-    const auto size = static_cast<std::size_t>(at(0).observation_size());
+    const Views views = new_views(n());
+    const Views last = new_views(same_step ? n() : 0);  // of episodes that ended, before the next began
     Array<double> rewards = new_array<double>({n()});
     Array<bool> terminations = new_array<bool>({n()});
     Array<bool> truncations = new_array<bool>({n()});
@@ -86,7 +86,6 @@ class VectorEpisodes {
     Array<double> scores = new_array<double>({n()});
     Array<bool> achieved = new_array<bool>({n()});
     std::vector<std::string> failures(n());
-    Array<float> last = new_array<float>({same_step ? n() : 0, size});
     const std::size_t width = parameters.shape(1);
     const auto take = [&](std::size_t i) {
       Outcome outcome;
@@ -100,7 +99,7 @@ class VectorEpisodes {
                              {parameters.data() + width * i, width});
         ended_[i] = outcome.terminated || outcome.truncated ? 1 : 0;
         if (same_step && ended_[i] != 0) {
-          at(i).observe(last.data() + size * i);
+          last.write(at(i), i);
           at(i).reset();
         }
       }
@@ -112,22 +111,21 @@ class VectorEpisodes {
       scores.data()[i] = outcome.score.value_or(std::numeric_limits<double>::quiet_NaN());
       achieved.data()[i] = outcome.achieved;
       failures[i] = std::move(outcome.failure);
-      views.write(*this, i);
+      views.write(at(i), i);
     };
     run(take);
-    const nb::object final_observations = same_step ? nb::cast(last) : nb::none();
+    const nb::object final_views = same_step ? nb::object(nb::make_tuple(last.observations, last.masks)) : nb::none();
     return nb::make_tuple(views.observations, rewards, terminations, truncations, views.masks, masked, failed, scores,
-                          achieved, failures, final_observations);
+                          achieved, failures, final_views);
   }
 
  private:
-  // What every environment looks like, to be filled in.
+  // What environments look like, to be filled in.
   struct Views {
     Array<float> observations;
     Array<std::int8_t> masks;
 
-    void write(VectorEpisodes& self, std::size_t i) const {
-      const Episodes& episodes = self.at(i);
+    void write(const Episodes& episodes, std::size_t i) const {
       episodes.observe(observations.data() + static_cast<std::size_t>(episodes.observation_size()) * i);
       const auto n_actions = static_cast<std::size_t>(episodes.space().n_actions());
       const ActionMask mask = episodes.mask();
@@ -137,9 +135,9 @@ class VectorEpisodes {
     }
   };
 
-  [[nodiscard]] Views new_views() {
-    return {new_array<float>({n(), static_cast<std::size_t>(at(0).observation_size())}),
-            new_array<std::int8_t>({n(), static_cast<std::size_t>(at(0).space().n_actions())})};
+  [[nodiscard]] Views new_views(std::size_t n_views) {
+    return {new_array<float>({n_views, static_cast<std::size_t>(at(0).observation_size())}),
+            new_array<std::int8_t>({n_views, static_cast<std::size_t>(at(0).space().n_actions())})};
   }
 
   template <typename Each>

@@ -52,8 +52,8 @@ class Episodes {
 
   /// Writes the observation [observation_size].
   void observe(float* out) const;
-  /// Actions that may be taken now; none when the episode is over.
-  [[nodiscard]] ActionMask mask() const { return running_ ? environment_.mask() : 0; }
+  /// Types that may follow the design, also where its episode was cut off; none before the first.
+  [[nodiscard]] ActionMask mask() const { return environment_.mask(); }
   [[nodiscard]] bool running() const { return running_; }
 
  private:

@@ -278,6 +278,39 @@ def test_same_step_gives_the_last_observation_beside_the_first_of_the_next_episo
     assert infos["_final_obs"].all() and vector.metadata["autoreset_mode"] == AutoresetMode.SAME_STEP
 
 
+def same(ours, theirs):
+    """Infos are compared where they are said to hold."""
+    assert set(ours) == set(theirs)
+    for key, value in theirs.items():
+        if isinstance(value, dict):
+            same(ours[key], value)
+            continue
+        known = theirs[key if key.startswith("_") else "_" + key]
+        assert ours[key].dtype == value.dtype, key
+        if key.startswith("_"):
+            np.testing.assert_array_equal(ours[key], value)
+        else:
+            for i in np.flatnonzero(known):
+                np.testing.assert_array_equal(ours[key][i], value[i])
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_steps_and_infos_are_those_of_gymnasiums_own_vector(mode):
+    arguments = {"num_envs": 4, "problem": "workshop/reach", "max_steps": 3}
+    name = "modsearch/Design-Binned-v0"
+    ours = gymnasium.make_vec(name, **arguments, autoreset_mode=mode)
+    theirs = gymnasium.make_vec(name, **arguments, vectorization_mode="sync", vector_kwargs={"autoreset_mode": mode})
+    same(ours.reset(seed=3)[1], theirs.reset(seed=3)[1])
+    ours.action_space.seed(0)
+    for _ in range(40):
+        action = ours.action_space.sample()
+        *ours_said, ours_infos = ours.step(action)
+        *theirs_said, theirs_infos = theirs.step(action)
+        for one, other in zip(ours_said, theirs_said, strict=True):
+            np.testing.assert_array_equal(one, other)
+        same(ours_infos, theirs_infos)
+
+
 def test_disabled_begins_the_episodes_that_the_mask_names():
     vector = binned_vector("Disabled")
     vector.reset(seed=0)

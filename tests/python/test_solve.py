@@ -233,6 +233,12 @@ def test_progress_tells_a_function_how_far_it_is(fixed):
     assert told and told[-1].evaluations > 0 and told[-1].score is not None
 
 
+def test_progress_is_told_as_lines_where_there_is_no_terminal(fixed, capfd):
+    modsearch.solve(fixed, "random", seconds=0.6, progress=True)
+    said = capfd.readouterr().err
+    assert said.count("\n") == 1 and "evaluations: best" in said and "\r" not in said
+
+
 def test_what_a_progress_function_raises_ends_the_search(fixed):
     def progress(_):
         raise ZeroDivisionError("enough")

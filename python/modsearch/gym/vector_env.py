@@ -16,6 +16,27 @@ from .._core import Design, DesignProblem
 from .actions import Form, actions_of
 from .env import Level, Observation, observation_box, problem_steps
 
+Told = dict[str, tuple[NDArray[Any], NDArray[np.bool_]]]
+"""What there is to tell by name, and of which environments."""
+
+# Of an episode that has just begun these are told, too; the others are not known yet.
+_ALWAYS = {"action_mask": True, "masked": True, "failed": True, "achieved": True, "score": False, "failure": False}
+
+
+def _infos(told: Told) -> dict[str, Any]:
+    """As Gymnasium has them: beside each entry, under its name with "_", the environments it speaks of."""
+    infos: dict[str, Any] = {}
+    for key, (values, known) in told.items():
+        if known.any():
+            infos[key] = values
+            infos["_" + key] = known.copy()
+    return infos
+
+
+def _begun(values: NDArray[Any], ended: NDArray[np.bool_]) -> NDArray[Any]:
+    """Flags of the episodes that follow those that ended: nothing has happened in them."""
+    return np.where(ended, False, values) if values.dtype == np.bool_ else values
+
 
 class DesignVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
     """`num_envs` environments like DesignEnv, with its arguments, that take a step at once and without the interpreter.
@@ -83,7 +104,14 @@ class DesignVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         observations, self._masks = self._episodes.reset(
             None if which is None else np.ascontiguousarray(which, np.bool_)
         )
-        return observations, self._nothing()
+        nothing = np.zeros(self.num_envs, np.bool_)
+        told = {
+            "action_mask": self._masks.copy(),
+            "masked": nothing,
+            "failed": nothing.copy(),
+            "achieved": nothing.copy(),
+        }
+        return observations, _infos({key: (values, np.ones(self.num_envs, np.bool_)) for key, values in told.items()})
 
     def step(
         self, actions: Any
@@ -93,12 +121,30 @@ class DesignVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         result = self._episodes.step(types, parameters)
         observations, rewards, terminated, truncated, masks, masked, failed, scores, achieved, failures, last = result
         self._masks = masks
-        infos = self._infos(masked, failed, achieved, scores)
-        if failed.any():
-            infos["failure"] = np.array(failures, dtype=object)
-            infos["_failure"] = failed.copy()
-        if last is not None:
-            self._finish(infos, terminated | truncated, last)
+        every = np.ones(self.num_envs, np.bool_)
+        told = {
+            "action_mask": (masks.copy(), every),
+            "masked": (masked, every),
+            "failed": (failed, every),
+            "achieved": (achieved, every),
+            "score": (scores, ~np.isnan(scores)),
+            "failure": (np.array(failures, dtype=object), failed),
+        }
+        ended = terminated | truncated
+        if last is None or not ended.any():
+            return observations, rewards, terminated, truncated, _infos(told)
+        # SameStep: what is told of the episodes that ended goes to final_info, the rest speaks of those that began.
+        last_observations, last_masks = last
+        final = {**told, "action_mask": (last_masks, every)}
+        infos = _infos(
+            {key: (_begun(values, ended), known & (~ended | _ALWAYS[key])) for key, (values, known) in told.items()}
+        )
+        infos["final_info"] = _infos({key: (values, known & ended) for key, (values, known) in final.items()})
+        infos["_final_info"] = ended
+        infos["final_obs"] = np.empty(self.num_envs, dtype=object)
+        infos["_final_obs"] = ended.copy()
+        for i in np.flatnonzero(ended):
+            infos["final_obs"][i] = last_observations[i].copy()
         return observations, rewards, terminated, truncated, infos
 
     def action_masks(self) -> NDArray[np.bool_]:
@@ -118,51 +164,3 @@ class DesignVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         streams = [int(seeding.np_random(seed)[0].integers(2**63)) for seed in seeds]
         self._episodes.seed(streams)
         self._seeded = True
-
-    def _infos(
-        self,
-        masked: NDArray[np.bool_],
-        failed: NDArray[np.bool_],
-        achieved: NDArray[np.bool_],
-        scores: NDArray[np.float64],
-    ) -> dict[str, Any]:
-        """As Gymnasium has them: beside each entry, under its name with "_", which environments it speaks of."""
-        infos: dict[str, Any] = {
-            "action_mask": self._masks.copy(),
-            "masked": masked,
-            "failed": failed,
-            "achieved": achieved,
-        }
-        for key in list(infos):
-            infos["_" + key] = np.ones(self.num_envs, np.bool_)
-        known = ~np.isnan(scores)
-        if known.any():
-            infos["score"] = scores
-            infos["_score"] = known
-        return infos
-
-    def _nothing(self) -> dict[str, Any]:
-        """The infos of episodes that have just begun."""
-        n = self.num_envs
-        masked, failed, achieved = (np.zeros(n, np.bool_) for _ in range(3))
-        return self._infos(masked, failed, achieved, np.full(n, np.nan))
-
-    def _finish(self, infos: dict[str, Any], ended: NDArray[np.bool_], last: Observation) -> None:
-        """SameStep: what belongs to the episodes that ended goes to final_info, and the rest speaks of the new ones."""
-        if not ended.any():
-            return
-        final: dict[str, Any] = {}
-        for key in ("masked", "failed", "achieved", "score"):
-            if key not in infos:
-                continue
-            final[key] = infos[key].copy()
-            final["_" + key] = infos["_" + key] & ended
-            infos[key] = np.where(ended, np.nan if key == "score" else False, infos[key])
-            infos["_" + key] = infos["_" + key] & ~ended if key == "score" else infos["_" + key]
-        infos["final_info"] = final
-        infos["_final_info"] = ended.copy()
-        observations = np.empty(self.num_envs, dtype=object)
-        for i in np.flatnonzero(ended):
-            observations[i] = last[i].copy()
-        infos["final_obs"] = observations
-        infos["_final_obs"] = ended.copy()
