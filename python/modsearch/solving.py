@@ -61,7 +61,7 @@ def evaluate(problem: DesignProblem, design: DesignLike) -> Evaluation:
 
 
 class _ProgressLine:
-    """Shows progress as one line that is written over in a terminal or a notebook, else as a line every five seconds."""
+    """Shows progress: a line that is written over in a terminal or a notebook, else a line every five seconds."""
 
     def __init__(self) -> None:
         self._over = sys.stderr.isatty() or "ipykernel" in sys.modules
