@@ -11,6 +11,7 @@
 #include <modsearch/baselines/random_search.hpp>
 #include <modsearch/baselines/refined.hpp>
 #include <modsearch/solvers/verification.hpp>
+#include <thread>
 
 #include "app/solver_registry.hpp"
 #include "arrays.hpp"
@@ -25,10 +26,12 @@ using namespace nb::literals;
 
 /// A meter in the hands of Python, which may keep it for longer than the search lasts.
 struct MeterHandle {
-  Meter* meter = nullptr;  ///< null: the search is over
+  Meter* meter = nullptr;                               ///< null: the search is over
+  std::thread::id thread = std::this_thread::get_id();  ///< the one that searches: a meter is for one thread
 
   [[nodiscard]] Meter& use() const {
     if (meter == nullptr) throw std::runtime_error("this meter's search is over");
+    if (thread != std::this_thread::get_id()) throw std::runtime_error("a meter is for the thread that searches");
     return *meter;
   }
 };
@@ -235,7 +238,7 @@ void bind_meter(nb::module_& m) {
   nb::class_<MeterHandle>(
       m, "Meter",
       "Counts what a solver does, keeps its best, and says when it is time to stop. A solver of your "
-      "own gets one;\nafter its search it raises RuntimeError.")
+      "own gets one;\nafter its search, and in another thread, it raises RuntimeError.")
       .def("evaluate", &metered, "problem"_a, "design"_a, nb::kw_only(), "screen"_a = false,
            nb::sig("def evaluate(self, problem: DesignProblem, design: DesignLike, *, screen: bool = False) -> "
                    "Evaluation | None"),

@@ -142,6 +142,7 @@ class VectorEpisodes {
 
   template <typename Each>
   void run(Each&& each) {
+    const OneAtATime::Inside inside{door_, "the environment"};
     const nb::gil_scoped_release released;
     pool_.run(static_cast<int>(n()), [&](int i) { each(static_cast<std::size_t>(i)); });
   }
@@ -149,6 +150,7 @@ class VectorEpisodes {
   std::vector<std::unique_ptr<Episodes>> episodes_;
   std::vector<char> ended_;  // [n], with the last step
   Autoreset autoreset_;
+  OneAtATime door_;
   WorkerPool pool_;
 };
 

@@ -43,12 +43,14 @@ void Episodes::reset_to(const ProblemSource& source) {
 }
 
 void Episodes::begin(std::uint64_t episode) {
+  const OneAtATime::Inside inside{door_, "the environment"};
   environment_.reset(rng_.fork(episode));
   steps_ = 0;
   running_ = true;
 }
 
 Outcome Episodes::step(int k, std::span<const float> x_k) {
+  const OneAtATime::Inside inside{door_, "the environment"};
   if (!running_) throw std::logic_error("a step outside an episode; reset comes first");
   if (k < 0 || k >= space().n_actions()) {
     throw std::invalid_argument(fmt::format("action {}: not in [0, {})", k, space().n_actions()));

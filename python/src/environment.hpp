@@ -7,6 +7,8 @@
 #include <span>
 #include <string>
 
+#include "one_at_a_time.hpp"
+
 namespace modsearch::python {
 
 /// What Gymnasium hears of a step, beside observation and mask.
@@ -59,6 +61,7 @@ class Episodes {
  private:
   void begin(std::uint64_t seed);
 
+  OneAtATime door_;
   ProblemSource source_;
   DesignEnvironment environment_;
   int max_steps_;

@@ -1,6 +1,8 @@
 """The environments of Gymnasium."""
 
+import threading
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -344,6 +346,31 @@ def test_observations_of_different_steps_share_no_memory():
     second, _, _, _, more = vector.step(LINK)
     assert not np.shares_memory(first, second)
     assert not np.shares_memory(infos["action_mask"], more["action_mask"])
+
+
+def test_an_environment_in_use_refuses_a_second_thread():
+    inside, leave = threading.Event(), threading.Event()
+
+    class Slow(OneModule):
+        def do_evaluate(self, design, fidelity):
+            inside.set()
+            assert leave.wait(20)
+            return super().do_evaluate(design, fidelity)
+
+    for env in (
+        gymnasium.make("modsearch/Design-Flat-v0", problem=Slow()).unwrapped,
+        gymnasium.make_vec("modsearch/Design-Flat-v0", num_envs=1, problem=Slow()),
+    ):
+        env.reset(seed=0)
+        inside.clear()
+        leave.clear()
+        with ThreadPoolExecutor(1) as pool:
+            first = pool.submit(env.step, env.action_space.sample())
+            assert inside.wait(20)
+            with pytest.raises(RuntimeError, match="in use by another thread"):
+                env.step(env.action_space.sample())
+            leave.set()
+            first.result()
 
 
 def test_keyboard_interrupt_in_an_own_problem_is_raised_by_a_step():

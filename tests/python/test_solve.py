@@ -217,6 +217,16 @@ def test_a_meter_is_of_no_use_after_its_search(fixed):
         luck.meter.evaluate(fixed, [])
 
 
+def test_a_meter_is_of_no_use_in_another_thread(fixed):
+    class Crowd(modsearch.Solver):
+        def do_solve(self, problem, meter, rng):
+            with ThreadPoolExecutor(1) as pool:
+                pool.submit(meter.evaluate, problem, []).result()
+
+    with pytest.raises(RuntimeError, match="for the thread that searches"):
+        modsearch.solve(fixed, Crowd(), evaluations=5)
+
+
 def test_a_search_may_be_started_within_a_search(fixed):
     class Nested(modsearch.Solver):
         def do_solve(self, problem, meter, rng):
