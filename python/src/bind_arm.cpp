@@ -172,13 +172,7 @@ PoseRegion region_from(const PlacedArm& self, nb::handle goal, double tolerance,
     }
     return goals[static_cast<std::size_t>(index)].region;
   }
-  const Numbers target = numbers(goal);
-  if (target.ndim() == 1 && target.shape(0) == 3) {
-    return PoseRegion::ball(Eigen::Map<const Eigen::Vector3d>(target.data()), tolerance);
-  }
-  return PoseRegion{to_pose(target, "goal"),
-                    {{.projection = Projection::kRSph, .lower = 0.0, .upper = tolerance},
-                     {.projection = Projection::kThetaR, .lower = 0.0, .upper = angle}}};
+  return region_about(goal, tolerance, angle);
 }
 
 IkSolution inverse(const PlacedArm& self, nb::handle goal, double tolerance, double angle, bool all) {
@@ -196,6 +190,16 @@ Array<double> rows(const std::vector<Eigen::VectorXd>& postures, int n_joints) {
 }
 
 }  // namespace
+
+PoseRegion region_about(nb::handle target, double tolerance, double angle) {
+  const Numbers values = numbers(target);
+  if (values.ndim() == 1 && values.shape(0) == 3) {
+    return PoseRegion::ball(Eigen::Map<const Eigen::Vector3d>(values.data()), tolerance);
+  }
+  return PoseRegion{to_pose(values, "goal"),
+                    {{.projection = Projection::kRSph, .lower = 0.0, .upper = tolerance},
+                     {.projection = Projection::kThetaR, .lower = 0.0, .upper = angle}}};
+}
 
 PlacedArm placed_arm(std::shared_ptr<const RobotProblem> problem, const Design& design) {
   check(problem->library(), design);

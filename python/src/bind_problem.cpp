@@ -7,6 +7,7 @@
 #include <nanobind/trampoline.h>
 
 #include <modsearch/problem/files.hpp>
+#include <numbers>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -156,6 +157,24 @@ nb::object with_level(nb::handle_t<RobotProblem> self, const std::string& level)
   return origin ? with_origin(std::move(other), *origin) : nb::cast(std::move(other));
 }
 
+void make_goal(Goal* self, std::string id, nb::handle target, double tolerance, double angle, const std::string& type) {
+  if (type != "at" && type != "reach") {
+    throw std::invalid_argument(fmt::format("goal '{}': type '{}' is not one of at, reach", id, type));
+  }
+  new (self) Goal{.id = std::move(id),
+                  .type = type == "at" ? GoalType::kAt : GoalType::kReach,
+                  .region = region_about(target, tolerance, angle)};
+}
+
+std::shared_ptr<const RobotProblem> with_goals(const RobotProblem& self, const std::vector<Goal>& goals,
+                                               const std::optional<std::string>& name) {
+  RobotProblemSpec spec = self.spec();
+  spec.name = name.value_or(spec.name + " with other goals");
+  spec.task = std::make_shared<const GoalTask>(
+      GoalTaskSpec{.name = spec.name, .goals = goals, .home = self.task().home(), .statics = self.task().statics()});
+  return std::make_shared<const RobotProblem>(std::move(spec));
+}
+
 nb::object load(nb::handle id_or_file, nb::handle instance, const std::optional<std::string>& level) {
   const std::string reference = reference_from(id_or_file);
   const std::optional<Instance> asked = instance_from(instance);
@@ -179,6 +198,13 @@ nb::object load(nb::handle id_or_file, nb::handle instance, const std::optional<
 
 void bind_goal(nb::module_& m) {
   nb::class_<Goal>(m, "Goal", "Where the tip has to be; every goal gets a posture of its own.")
+      .def("__init__", &make_goal, "id"_a, "target"_a, nb::kw_only(), "tolerance"_a = 1e-3,
+           "angle"_a = 0.5 * std::numbers::pi / 180.0, "type"_a = "reach",
+           nb::sig("def __init__(self, id: str, target: numpy.typing.ArrayLike, *, tolerance: float = 0.001, angle: "
+                   "float = 0.008726646259971648, type: typing.Literal['at', 'reach'] = 'reach') -> None"),
+           "`target`: a position [3], any orientation, or a pose [4, 4], in the world. `tolerance` [m]: radius about "
+           "the\nposition; `angle` [rad]: likewise about the orientation of a pose. `type`: 'at' passes, 'reach' "
+           "stands still. Raises\nValueError for what is none of these.")
       .def_ro("id", &Goal::id, "Name of the goal.")
       .def_prop_ro(
           "type", [](const Goal& self) { return name(self.type); }, "'at', 'reach' or 'follow'.")
@@ -198,7 +224,7 @@ void bind_goal(nb::module_& m) {
             return dict;
           },
           nb::sig("def tolerances(self) -> dict[str, tuple[float, float]]"),
-          "Closed intervals by CoBRA's names of the projections ('r_sph', 'x', 'theta_r', ..), m or rad.")
+          "Closed intervals by CoBRA's names of the projections ('r_sph', 'x', 'Theta_R', ..), m or rad.")
       .def(
           "contains",
           [](const Goal& self, nb::handle pose) { return self.region.contains(to_pose(numbers(pose), "pose")); },
@@ -371,6 +397,13 @@ void bind_problem(nb::module_& m) {
            nb::sig("def with_level(self, level: typing.Literal['none', 'posture', 'posture+self', 'path']) -> "
                    "RobotProblem"),
            "The same problem with another collision level. Raises ValueError for a level that is none.")
+      .def(
+          "with_goals", &with_goals, "goals"_a, "name"_a = nb::none(),
+          nb::sig(
+              "def with_goals(self, goals: collections.abc.Sequence[Goal], name: str | None = None) -> RobotProblem"),
+          "The same problem with goals of your own, visited in order: library, obstacles, scoring, level, home and "
+          "statics\nstay. It has no file or ID, so that it cannot be pickled and its solutions cannot be saved. Raises "
+          "ValueError without\ngoals.")
       .def(
           "arm",
           [](std::shared_ptr<const RobotProblem> self, nb::handle design) {

@@ -34,6 +34,9 @@ struct Origin {
 /// A library from Python: a library, a problem (its library), or an ID or file.
 [[nodiscard]] std::shared_ptr<const ModuleLibrary> library_from(nb::handle object);
 
+/// What is near a position [3] or a pose [4, 4]: within `tolerance` [m] and, of a pose, `angle` [rad].
+/// Throws std::invalid_argument for anything else.
+[[nodiscard]] PoseRegion region_about(nb::handle target, double tolerance, double angle);
 /// (seed, index), or None. Throws std::invalid_argument for anything else.
 [[nodiscard]] std::optional<Instance> instance_from(nb::handle object);
 /// An ID or a path as text. Throws std::invalid_argument for anything else.

@@ -83,6 +83,47 @@ def test_goals_say_where_the_tip_has_to_be(fixed):
     assert (goal.id, goal.type) == ("1", "reach")
 
 
+def test_a_problem_may_have_goals_of_ones_own(fixed):
+    goals = [modsearch.Goal("low", [0.8, 0.0, 0.6], tolerance=0.01), modsearch.Goal("high", [0.8, 0.0, 1.2])]
+    problem = fixed.with_goals(goals, name="shelves")
+    assert problem.name == "shelves" and [goal.id for goal in problem.goals] == ["low", "high"]
+    solution = modsearch.solve(problem, evaluations=2000)
+    assert solution.achieved and len(solution.postures) == 2
+    arm = problem.arm(solution.design)
+    tips = arm.forward(solution.postures)[:, :3, 3]
+    assert np.linalg.norm(tips[0] - [0.8, 0.0, 0.6]) <= 0.01
+    assert np.linalg.norm(tips[1] - [0.8, 0.0, 1.2]) <= 0.001
+    assert problem.reference is None
+    with pytest.raises(TypeError, match="not loaded from a file"):
+        pickle.dumps(problem)
+    with pytest.raises(ValueError, match="neither a file nor an ID"):
+        solution.to_json()
+
+
+def test_a_goal_that_is_a_pose_asks_for_the_orientation():
+    pose = np.eye(4)
+    pose[:3, 3] = [0.1, 0.2, 0.3]
+    goal = modsearch.Goal("tool", pose, tolerance=0.01, angle=0.1)
+    assert goal.tolerances == {"r_sph": (0.0, 0.01), "Theta_R": (0.0, 0.1)}
+
+    def turned(angle):
+        c, s = np.cos(angle), np.sin(angle)
+        X = pose.copy()
+        X[:3, :3] = [[1, 0, 0], [0, c, -s], [0, s, c]]
+        return X
+
+    assert goal.contains(turned(0.09)) and not goal.contains(turned(0.11))
+    with pytest.raises(ValueError, match="'follow' is not one of at, reach"):
+        modsearch.Goal("tool", pose, type="follow")
+    with pytest.raises(ValueError, match="a pose is a homogeneous matrix"):
+        modsearch.Goal("tool", [1.0, 2.0])
+
+
+def test_a_problem_without_goals_is_a_value_error(fixed):
+    with pytest.raises(ValueError, match="goal"):
+        fixed.with_goals([])
+
+
 def test_instances_differ_by_seed_and_index_and_are_the_same_again():
     def target(instance):
         return tuple(modsearch.load_problem("seed/random_narrow", instance).goals[0].position)
