@@ -35,3 +35,11 @@ printf '\nThe reference problem %s, and every segment of its path checked ten ti
 "$modsearch" verify "$answers/solution.json" || die "The best design could not be verified."
 printf '\nIn any browser:\n  the comparison, with its figures:              %s\n  the real task, with each arm and its motion:   %s\n  the robot, its path and its score in 3-D:      %s\n' \
   "$answers/$study/report.html" "$answers/real/report.html" "$answers/view.html"
+
+cat <<'EOF'
+
+The same in Python, after `pip install .` (docs/python.md):
+  problem = modsearch.load_problem("seed/fixed")
+  solution = modsearch.solve(problem)
+  modsearch.verify(problem, solution)
+EOF

@@ -21,7 +21,10 @@ done
 install_packages "${product_packages[@]}" "${test_packages[@]}"
 warnings_as_errors=OFF
 [[ ${CI:-} == true ]] && warnings_as_errors=ON
-configure -DMODSEARCH_BUILD_TESTS=ON -DMODSEARCH_BUILD_EXAMPLES=ON -DMODSEARCH_WARNINGS_AS_ERRORS=$warnings_as_errors
+python=(-DMODSEARCH_BUILD_PYTHON=OFF)
+python_environment && python=(-DMODSEARCH_BUILD_PYTHON=ON -DPython_EXECUTABLE="$build/venv/bin/python")
+configure -DMODSEARCH_BUILD_TESTS=ON -DMODSEARCH_BUILD_EXAMPLES=ON -DMODSEARCH_WARNINGS_AS_ERRORS=$warnings_as_errors \
+  "${python[@]}"
 compile all
 
 # Threads of a BLAS would change the order of sums, and with it the last digits, and the times.

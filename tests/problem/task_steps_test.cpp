@@ -163,7 +163,7 @@ TEST(GoalTask, CallsAVerdictInconclusiveWhereASearchGaveUp) {
   EXPECT_TRUE(tried(pose, {}, Level::kNone).inconclusive) << "inverse kinematics for poses is numerical";
   const Scene at_home{{{"ball", {{Sphere{0.3}, at(-1.0, 0.0, 0.0)}}}}};
   const Eigen::Vector2d home{kPi, 0.0};
-  const Attempt cannot_begin = tried(point("near", 1.0, 0.0), at_home, Level::kPath, home);
+  const Attempt cannot_begin = tried(point("near", 1.5, 0.0), at_home, Level::kPath, home);
   EXPECT_EQ(cannot_begin.why, Failure::kHomeInCollision);
   EXPECT_FALSE(cannot_begin.inconclusive) << "the task asks for that home";
 }
