@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <modsearch/kinematics/interruption.hpp>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -159,6 +160,7 @@ Separation separation_of_meshes(const Mesh& a, const Isometry3d& X_WA, const Mes
 }  // namespace
 
 Separation mesh_separation(const Shape& a, const Isometry3d& X_WA, const Mesh& b, const Isometry3d& X_WB) {
+  interruption_point();
   if (const Mesh* mesh = std::get_if<Mesh>(&a)) return separation_of_meshes(*mesh, X_WA, b, X_WB);
   return trees_of(b).balls->nearest(a, X_WA, *b.triangles, X_WB);
 }

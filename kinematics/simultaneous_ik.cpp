@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/kinematics/simultaneous_ik.hpp>
 #include <modsearch/kinematics/simultaneous_ik_kernel_internal.hpp>
 #include <numbers>
@@ -414,6 +415,7 @@ SimultaneousIk::Outcome SimultaneousIk::solve(int n_starts, const Start& start, 
   };
   for (int lane = 0; lane < kIkLanes; ++lane) refill(lane);
   while (working > 0) {
+    interruption_point();
     kernel.step(m.model, m.lanes);
     for (int lane = 0; lane < kIkLanes; ++lane) {
       const int which = m.state[static_cast<std::size_t>(lane)].start;

@@ -7,6 +7,7 @@
 #include <modsearch/baselines/lexicographic.hpp>
 #include <modsearch/baselines/pose_first/pose_search_internal.hpp>
 #include <modsearch/baselines/pose_first/sequence_change_internal.hpp>
+#include <modsearch/kinematics/interruption.hpp>
 #include <modsearch/solvers/inner_solver.hpp>
 
 namespace modsearch::detail {
@@ -45,6 +46,20 @@ PoseSearch::PoseSearch(const PoseFirstOptions& options, const DesignProblem& pro
       covered_{PoseFirst::covers(problem)} {}
 
 std::optional<SearchEnd> PoseSearch::step(Meter& meter) {
+  // Of arms of dozens of joints among meshes one try takes seconds, between which the meter is heard.
+  const auto cut_off = [&] {
+    const std::optional<StopReason> why = meter.stopped();
+    return why == StopReason::kSeconds || why == StopReason::kInterrupted;
+  };
+  try {
+    const Interruptible scope{cut_off};
+    return go_on(meter);
+  } catch (const Interrupted&) {
+    return SearchEnd{};
+  }
+}
+
+std::optional<SearchEnd> PoseSearch::go_on(Meter& meter) {
   if (!begun_) {
     const std::optional<Evaluation> empty = meter.evaluate(problem_, Design{});
     if (!empty) return SearchEnd{};

@@ -22,6 +22,7 @@ class PoseSearch final : public Search {
   void restore(const Archive& archive) override;
 
  private:
+  [[nodiscard]] std::optional<SearchEnd> go_on(Meter& meter);
   /// A design whose postures are free, with these.
   struct Elite {
     std::vector<int> types;
