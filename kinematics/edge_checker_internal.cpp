@@ -20,6 +20,7 @@ double distance_bound(const Shape& a, const Eigen::Isometry3d& X_WA, const Shape
   const bool mesh_b = std::holds_alternative<Mesh>(b);
   if (mesh_a != mesh_b) {
     if (const double least = detail::least_distance(a, X_WA, b, X_WB); least > 0.0) return least;
+    return detail::mesh_touches(a, X_WA, b, X_WB) ? kCollision : 0.0;
   }
   if (overlaps(a, X_WA, b, X_WB)) return kCollision;
   if (std::holds_alternative<Cylinder>(b) || std::holds_alternative<Mesh>(b)) return 0.0;

@@ -116,6 +116,10 @@ double least_distance(const Shape& a, const Isometry3d& X_WA, const Shape& b, co
 
 bool mesh_overlaps(const Shape& a, const Isometry3d& X_WA, const Mesh& b, const Isometry3d& X_WB) {
   if (!std::holds_alternative<Mesh>(a) && least_distance(a, X_WA, b, X_WB) > 0.0) return false;
+  return mesh_touches(a, X_WA, b, X_WB);
+}
+
+bool mesh_touches(const Shape& a, const Isometry3d& X_WA, const Shape& b, const Isometry3d& X_WB) {
   return loudly([&] {
     fcl::CollisionRequestd request;
     request.gjk_solver_type = fcl::GST_INDEP;

@@ -14,6 +14,10 @@ void prepare(const Shape& shape);
 [[nodiscard]] bool mesh_overlaps(const Shape& a, const Eigen::Isometry3d& X_WA, const Mesh& b,
                                  const Eigen::Isometry3d& X_WB);
 
+/// The same of two shapes of which one or both are meshes, where `least_distance` has been asked in vain.
+[[nodiscard]] bool mesh_touches(const Shape& a, const Eigen::Isometry3d& X_WA, const Shape& b,
+                                const Eigen::Isometry3d& X_WB);
+
 /// Separation of `a` and the mesh `b`: the least over their triangles. Apart, the distance; overlapping, minus the
 /// depth of the deepest triangle, which frees that triangle but not always the others. Throws
 /// std::runtime_error("collision unknown: ...") if FCL, which searches pairs of meshes, fails.
