@@ -171,7 +171,7 @@ TEST_F(Scenes, ThatAreNotProvedAboutAreRejectedWithTheReason) {
               }),
               testing::HasSubstr("not known here"));
   EXPECT_THAT(reason([](Json& p) {
-                p["task"]["constraints"] = {{"type", "endEffector"}};
+                p["task"]["constraints"] = {{"type", "gripperForce"}};
               }),
               testing::HasSubstr("not one of the words"));
   EXPECT_THAT(reason([](Json& p) {
