@@ -28,7 +28,9 @@ function(modsearch_floor name)
   endforeach()
   target_link_libraries(modsearch_${name} PUBLIC ${FLOOR_PUBLIC} PRIVATE ${FLOOR_PRIVATE}
                         $<BUILD_INTERFACE:modsearch_warnings>)
-  target_link_options(modsearch_${name} PRIVATE LINKER:--no-undefined)  # a forgotten source is an error here, not later
+  if(NOT MODSEARCH_SANITIZE)  # clang's sanitizers are linked into programs alone
+    target_link_options(modsearch_${name} PRIVATE LINKER:--no-undefined)  # a forgotten source is an error here, not later
+  endif()
 
   install(TARGETS modsearch_${name} EXPORT modsearchTargets
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev
