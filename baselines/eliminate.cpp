@@ -138,7 +138,8 @@ std::vector<Tally> Elimination::tallies() const {
                             {"reach", frontier_.left_out()},
                             {"score bound", static_cast<double>(outscored_)}};
   // What was never looked at: behind the best, if the search came to its end.
-  (frontier_.exhausted() && types_.empty() ? result.back().count : result.emplace_back("not reached").count) += rest;
+  (frontier_.exhausted() && types_.empty() ? result.back().count
+                                           : result.emplace_back(Tally{"not reached", 0.0}).count) += rest;
   for (const auto& [why, count] : failed_) result.push_back({std::string{name(why)}, static_cast<double>(count)});
   result.push_back({"achieved", static_cast<double>(achieved_)});
   return result;

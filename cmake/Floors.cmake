@@ -28,11 +28,13 @@ function(modsearch_floor name)
   endforeach()
   target_link_libraries(modsearch_${name} PUBLIC ${FLOOR_PUBLIC} PRIVATE ${FLOOR_PRIVATE}
                         $<BUILD_INTERFACE:modsearch_warnings>)
-  target_link_options(modsearch_${name} PRIVATE LINKER:--no-undefined)  # a forgotten source is an error here, not later
+  if(NOT MODSEARCH_SANITIZE)  # clang's sanitizers are linked into programs alone
+    target_link_options(modsearch_${name} PRIVATE LINKER:--no-undefined)  # a forgotten source is an error here, not later
+  endif()
 
-  install(TARGETS modsearch_${name} EXPORT modsearchTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
-          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-  foreach(header IN LISTS FLOOR_HEADERS)
-    install(FILES ${header} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/modsearch/${name}")
-  endforeach()
+  install(TARGETS modsearch_${name} EXPORT modsearchTargets
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
+          RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
+  install(FILES ${FLOOR_HEADERS} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/modsearch/${name}" COMPONENT dev)
 endfunction()

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <modsearch/kinematics/interruption.hpp>
+#include <modsearch/kinematics/processor_internal.hpp>
 #include <modsearch/kinematics/simultaneous_ik.hpp>
 #include <modsearch/kinematics/simultaneous_ik_kernel_internal.hpp>
 #include <numbers>
@@ -172,9 +173,9 @@ std::optional<Aim> aim_at(const PoseRegion& region) {
 }
 
 const detail::IkKernel& best_kernel() {
-  static const detail::IkKernel& best = __builtin_cpu_supports("x86-64-v4")   ? detail::kIkKernelAvx512
-                                        : __builtin_cpu_supports("x86-64-v3") ? detail::kIkKernelAvx2
-                                                                              : detail::kIkKernelSse2;
+  static const detail::IkKernel& best = detail::processor_has_v4()   ? detail::kIkKernelAvx512
+                                        : detail::processor_has_v3() ? detail::kIkKernelAvx2
+                                                                     : detail::kIkKernelSse2;
   return best;
 }
 

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
+#include <cstdint>
+#include <cstring>
+#include <modsearch/problem/child_process_internal.hpp>
 #include <modsearch/problem/geometry_internal.hpp>
 
 namespace modsearch::detail {
@@ -41,11 +44,7 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& X_par
 // looked at one by one: assimp turns some (3ds, md2), mirrors some (x) and leaves the unit of some aside (3mf, amf).
 constexpr std::array<std::string_view, 7> kKinds{".dae", ".glb", ".gltf", ".obj", ".off", ".ply", ".stl"};
 
-TriangleMesh load_by_assimp(const std::filesystem::path& file, const std::string& extension) {
-  if (std::find(kKinds.begin(), kKinds.end(), extension) == kKinds.end()) {
-    throw std::runtime_error(fmt::format("is of a kind that is not supported yet (\"{}\"); limit: .wrl, {}", extension,
-                                         fmt::join(kKinds, ", ")));
-  }
+TriangleMesh read_by_assimp(const std::filesystem::path& file) {
   Assimp::Importer importer;
   // The unit of a COLLADA file counts, its up axis is a hint for viewers: assimp would turn the mesh until y is up.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -55,6 +54,42 @@ TriangleMesh load_by_assimp(const std::filesystem::path& file, const std::string
   }
   TriangleMesh mesh;
   add_node(*scene, *scene->mRootNode, aiMatrix4x4{}, mesh);
+  return mesh;
+}
+
+template <typename Vector>
+std::string to_bytes(const std::vector<Vector>& vectors) {
+  return {reinterpret_cast<const char*>(vectors.data()), vectors.size() * sizeof(Vector)};
+}
+
+template <typename Vector>
+std::vector<Vector> from_bytes(std::string_view bytes) {
+  std::vector<Vector> vectors(bytes.size() / sizeof(Vector));
+  if (!vectors.empty()) std::memcpy(vectors.front().data(), bytes.data(), vectors.size() * sizeof(Vector));
+  return vectors;
+}
+
+/// A process of its own reads the file: assimp crashes on some that are damaged (docs/fuzzing.md), in places that no
+/// look at the file beforehand would find, short of reading it.
+TriangleMesh load_by_assimp(const std::filesystem::path& file, const std::string& extension) {
+  if (std::find(kKinds.begin(), kKinds.end(), extension) == kKinds.end()) {
+    throw std::runtime_error(fmt::format("is of a kind that is not supported yet (\"{}\"); limit: .wrl, {}", extension,
+                                         fmt::join(kKinds, ", ")));
+  }
+  const std::string bytes = in_child_process([&] {
+    const TriangleMesh mesh = read_by_assimp(file);
+    const std::uint64_t n_vertices = mesh.vertices.size();
+    std::string image{reinterpret_cast<const char*>(&n_vertices), sizeof n_vertices};
+    return image + to_bytes(mesh.vertices) + to_bytes(mesh.triangles);
+  });
+  std::uint64_t n_vertices = 0;
+  std::memcpy(&n_vertices, bytes.data(), sizeof n_vertices);
+  const std::string_view numbers = std::string_view{bytes}.substr(sizeof n_vertices);
+  if (n_vertices > numbers.size() / sizeof(Eigen::Vector3d)) throw std::runtime_error("cannot be read: half an answer");
+  const std::size_t end = n_vertices * sizeof(Eigen::Vector3d);
+  TriangleMesh mesh;
+  mesh.vertices = from_bytes<Eigen::Vector3d>(numbers.substr(0, end));
+  mesh.triangles = from_bytes<Eigen::Vector3i>(numbers.substr(end));
   return mesh;
 }
 

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <modsearch/kinematics/processor_internal.hpp>
 #include <modsearch/rl/float_kernels.hpp>
 #include <modsearch/rl/float_kernels_internal.hpp>
 #include <stdexcept>
@@ -17,9 +18,9 @@ bool supported(Isa isa) {
     case Isa::kSse2:
       return true;
     case Isa::kAvx2:
-      return __builtin_cpu_supports("x86-64-v3") != 0;
+      return detail::processor_has_v3();
     case Isa::kAvx512:
-      return __builtin_cpu_supports("x86-64-v4") != 0;
+      return detail::processor_has_v4();
   }
   return false;
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <modsearch/kinematics/processor_internal.hpp>
 #include <modsearch/kinematics/simultaneous_ik.hpp>
 #include <modsearch/kinematics/simultaneous_ik_kernel_internal.hpp>
 #include <numbers>
@@ -302,10 +303,10 @@ TEST_F(Kernel, GivesTheSameBitsWithEveryInstructionSet) {
     return numbers;
   };
   const std::vector<double> plain = after(detail::kIkKernelSse2);
-  if (__builtin_cpu_supports("x86-64-v3")) {
+  if (detail::processor_has_v3()) {
     EXPECT_EQ(after(detail::kIkKernelAvx2), plain);
   }
-  if (__builtin_cpu_supports("x86-64-v4")) {
+  if (detail::processor_has_v4()) {
     EXPECT_EQ(after(detail::kIkKernelAvx512), plain);
   }
 }
