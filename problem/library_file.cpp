@@ -134,7 +134,12 @@ ModuleJoint read_joint(const JsonCursor& cursor, const ParameterList& parameters
   }
   result.X_PJ = read_affine_pose(cursor.at("poseParent"), parameters);
   result.X_JC = read_affine_pose(cursor.at("poseChild"), parameters);
-  if (!result.fixed) read_limits(cursor.at("limits"), result.joint);
+  if (result.joint.type == JointType::kContinuous && !cursor.has("limits")) {
+    result.joint.lower = -kInf;
+    result.joint.upper = kInf;
+  } else if (!result.fixed) {
+    read_limits(cursor.at("limits"), result.joint);
+  }
   if (const std::optional<JsonCursor> angle = cursor.find("angle")) {
     if (!result.fixed) angle->fail("only a joint of type \"fixed\" may have an angle");
     result.angle = read_affine(*angle, parameters, -kInf, "rad");

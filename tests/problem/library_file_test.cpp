@@ -1,11 +1,12 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <modsearch/kinematics/arm.hpp>
 #include <modsearch/problem/files.hpp>
 #include <nlohmann/json.hpp>
 
-#include "problem/temporary_folder.hpp"
 #include "places.hpp"
+#include "problem/temporary_folder.hpp"
 
 namespace modsearch {
 namespace {
@@ -99,6 +100,23 @@ TEST(LibraryFile, ReadsABodyWithoutCollision) {
   json library = json::parse(text_of(kSeed));
   library["modules"][0]["bodies"][0].erase("collision");
   EXPECT_EQ(load_library(folder.write("library.json", library.dump()).string())->n_types(), 3);
+}
+
+TEST(LibraryFile, TakesAContinuousJointWithoutLimitsAndNoOther) {
+  const TemporaryFolder folder;
+  json library = json::parse(text_of(kSeed));
+  json& joint = library["modules"][1]["joints"][0];
+  joint.erase("limits");
+  joint["type"] = "continuous";
+  const auto read = load_library(folder.write("library.json", library.dump()).string());
+  const Joint& turning = read->type(0).joints[0].joint;
+  EXPECT_EQ(turning.lower, -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(turning.upper, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(turning.peak_torque, std::numeric_limits<double>::infinity());
+  joint["type"] = "revolute";
+  const std::string file = folder.write("other.json", library.dump()).string();
+  EXPECT_THAT([&] { static_cast<void>(load_library(file)); },
+              ::testing::ThrowsMessage<FileError>(::testing::HasSubstr("key \"limits\" is missing")));
 }
 
 TEST(LibraryFile, PutsARotationRightThatIsOffByAMillionth) {
