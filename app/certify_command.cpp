@@ -95,6 +95,9 @@ Status certify(const CertifyArguments& arguments, const CommonArguments& common,
   if (arguments.out.empty()) throw std::invalid_argument("--out is empty: not the name of a file");
   const ChosenProblem chosen = choose_problem(arguments.problem, arguments.instance, common.files);
   const RobotProblem& problem = *chosen.problem;
+  if (std::filesystem::is_directory(arguments.out) || !arguments.out.has_filename()) {
+    throw std::invalid_argument(fmt::format("--out {}: is a folder, not the name of a file", arguments.out.string()));
+  }
   const std::filesystem::path folder = std::filesystem::absolute(arguments.out).parent_path();
   make_folder(folder);
   const OutputLock lock = OutputLock::of_file(arguments.out);

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <modsearch/rl/settings.hpp>
 #include <modsearch/solvers/verification.hpp>
 #include <modsearch/study/solution_page.hpp>
 #include <modsearch/study/study_file.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "app/chosen_problem_internal.hpp"
 #include "app/output_internal.hpp"
@@ -41,16 +44,40 @@ std::string presets_text(const LearnerSettings& defaults) {
   return text;
 }
 
+// The instance that a solution file names; none where it names none, or is no solution.
+std::optional<Instance> instance_of_solution(const std::string& file) {
+  std::ifstream stream{file};
+  const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
+  if (!json.is_object() || !json.contains("instance")) return std::nullopt;
+  const nlohmann::json& instance = json.at("instance");
+  const auto is_number = [&](const char* key) {
+    return instance.is_object() && instance.contains(key) && instance.at(key).is_number_unsigned();
+  };
+  if (!is_number("seed") || !is_number("index")) return std::nullopt;
+  return Instance{instance.at("seed").get<std::uint64_t>(), instance.at("index").get<std::uint64_t>()};
+}
+
+// The problem that a design is evaluated on: the instance that is asked for, else that which its file names.
+ChosenProblem problem_for(const EvaluateArguments& arguments, const FileOptions& files) {
+  ChosenProblem chosen = choose_problem(arguments.problem, arguments.instance, files);
+  if (arguments.instance || !chosen.instance) return chosen;
+  const std::optional<Instance> named = instance_of_solution(arguments.design);
+  return named ? choose_problem(arguments.problem, named, files) : chosen;
+}
+
 }  // namespace
 
 Status evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
-  const std::shared_ptr<const RobotProblem> problem =
-      choose_problem(arguments.problem, arguments.instance, common.files).problem;
+  const auto [file, instance, problem] = problem_for(arguments, common.files);
   const Design design = load_design(arguments.design, problem->library());
   const Evaluation evaluation = problem->evaluate(design, Fidelity::kFull, load_witness(arguments.design));
   if (common.json) {
-    print(evaluation_json(*problem, design, evaluation));
+    nlohmann::ordered_json json;
+    if (instance) json["instance"] = nlohmann::ordered_json{{"seed", instance->seed}, {"index", instance->index}};
+    json.update(evaluation_json(*problem, design, evaluation));
+    print(json);
   } else {
+    if (instance) say("instance     {}:{}\n", instance->seed, instance->index);
     write_out(evaluation_text(*problem, design, evaluation));
   }
   return Status::kSuccess;

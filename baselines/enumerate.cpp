@@ -15,12 +15,13 @@ class Enumeration final : public SequenceSearch {
       : SequenceSearch{problem, options.continuous, rng}, samples_{options.samples} {}
 
  private:
-  void optimise_without_program(const SequenceFrontier::Sequence& sequence, Rng rng, Meter& meter) override {
+  bool optimise_without_program(const SequenceFrontier::Sequence& sequence, Rng rng, Meter& meter) override {
     for (int i = 0; i < samples_; ++i) {
       Design design;
       for (const int k : sequence.types) design.modules.push_back(random_placement(problem().library(), k, rng));
-      if (!evaluate_staged(meter, problem(), design)) return;
+      if (!evaluate_staged(meter, problem(), design)) break;
     }
+    return true;
   }
 
   int samples_;

@@ -54,7 +54,7 @@ bool SequenceSearch::settle(const SequenceFrontier::Sequence& sequence, Rng rng,
   }
   const SequenceOutcome outcome = optimise_sequence(problem_, sequence.types, sequence.bound, options_, meter, rng);
   if (!outcome.failure.empty() && failed_++ == 0) first_failure_ = outcome.failure;
-  if (!outcome.has_program) optimise_without_program(sequence, rng, meter);
+  if (!outcome.has_program && !optimise_without_program(sequence, rng, meter)) ++passed_over_;
   return false;
 }
 
@@ -72,6 +72,12 @@ std::optional<Bound> SequenceSearch::bound(const Meter& meter) const {
 SearchEnd SequenceSearch::end(const Meter& meter) const {
   const bool cut_off = !begun_ || !frontier_.exhausted() || (meter.stopped() && settled_ < tried_);
   if (cut_off) return {StopReason::kExhausted, "", bound(meter)};  // the meter says why
+  if (tried_ > 0 && passed_over_ == tried_) {
+    return {StopReason::kExhausted,
+            fmt::format("none of {} has a smooth program, so that nothing was optimised: `ga` does without",
+                        plural(tried_, "type sequence")),
+            bound(meter)};
+  }
   const double best = score_to_beat(meter);
   const bool discrete = problem_.library().max_parameters() == 0;
   if (best > kImpossible) {
@@ -111,7 +117,7 @@ SearchEnd SequenceSearch::end(const Meter& meter) const {
 
 void SequenceSearch::save(Archive& archive) const {
   frontier_.save(archive);
-  archive.put("sequences/counts", std::array<std::int64_t, 4>{begun_ ? 1 : 0, tried_, settled_, failed_});
+  archive.put("sequences/counts", std::array<std::int64_t, 5>{begun_ ? 1 : 0, tried_, settled_, failed_, passed_over_});
   archive.put_text("sequences/failure", first_failure_);
   archive.put_number("sequences/open bound", open_bound_);
 }
@@ -119,11 +125,13 @@ void SequenceSearch::save(Archive& archive) const {
 void SequenceSearch::restore(const Archive& archive) {
   frontier_.restore(archive);
   const std::vector<std::int64_t> counts = archive.integers("sequences/counts");
-  if (counts.size() != 4) archive.fail("sequences/counts", "does not hold 4 numbers");
+  // A checkpoint of an earlier version holds no number of sequences that were passed over.
+  if (counts.size() != 4 && counts.size() != 5) archive.fail("sequences/counts", "does not hold 5 numbers");
   begun_ = counts[0] != 0;
   tried_ = counts[1];
   settled_ = counts[2];
   failed_ = counts[3];
+  passed_over_ = counts.size() == 5 ? counts[4] : 0;
   first_failure_ = archive.text("sequences/failure");
   open_bound_ = archive.number("sequences/open bound");
 }

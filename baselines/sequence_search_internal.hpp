@@ -20,8 +20,8 @@ class SequenceSearch : public Search {
   void restore(const Archive& archive) final;
 
  protected:
-  /// What to do with a sequence that has parameters and no smooth program: nothing by default.
-  virtual void optimise_without_program(const SequenceFrontier::Sequence&, Rng, Meter&) {}
+  /// What to do with a sequence that has parameters and no smooth program: nothing by default. False: nothing was done.
+  virtual bool optimise_without_program(const SequenceFrontier::Sequence&, Rng, Meter&) { return false; }
   [[nodiscard]] const DesignProblem& problem() const { return problem_; }
 
  private:
@@ -36,9 +36,10 @@ class SequenceSearch : public Search {
   Rng rng_;
   SequenceFrontier frontier_;
   bool begun_ = false;
-  std::int64_t tried_ = 0;    // sequences
-  std::int64_t settled_ = 0;  // of these, those of which nothing better is left
-  std::int64_t failed_ = 0;   // of these, those whose program failed
+  std::int64_t tried_ = 0;        // sequences
+  std::int64_t settled_ = 0;      // of these, those of which nothing better is left
+  std::int64_t failed_ = 0;       // of these, those whose program failed
+  std::int64_t passed_over_ = 0;  // of these, those without a program, with which nothing was done
   std::string first_failure_;
   double open_bound_;  // greatest bound of the sequences that were tried and not settled
 };

@@ -10,8 +10,14 @@ from .program import program
 def main() -> int:
     """Runs the program `modsearch` with the arguments of this one; its exit status."""
     child = subprocess.Popen([program("modsearch"), *sys.argv[1:]])
-    # Ctrl-C reaches the child as well, which knows what to do with it.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def pass_on(number: int, _frame: object) -> None:
+        child.send_signal(number)
+
+    # The child knows what to do with them. Ctrl-C in a terminal reaches it as well, and once is enough.
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, pass_on)
+    signal.signal(signal.SIGINT, signal.SIG_IGN if sys.stdin.isatty() else pass_on)
     status = child.wait()
     return status if status >= 0 else 128 - status
 

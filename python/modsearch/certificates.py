@@ -65,7 +65,7 @@ def certify(
     Raises ValueError for a problem that was not loaded or of which nothing can be proved, FileError where the file
     cannot be written.
     """
-    if problem.reference is None:
+    if getattr(problem, "reference", None) is None:
         raise ValueError("certify: the problem has neither a file nor an ID that a certificate could name")
     words = ["certify", problem.reference, "--gap", repr(gap), "--seconds", repr(seconds), "--out", os.fspath(file)]
     if problem.instance is not None:

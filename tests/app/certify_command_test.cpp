@@ -54,6 +54,9 @@ TEST(Certify, ProvesThatFewerModulesDoNotSuffice) {
 
 TEST(Certify, RefusesWhatIsWrong) {
   const TemporaryFolder folder;
+  const Outcome to_folder = modsearch({"certify", "seed/fixed", "--out", folder.path().string()}, folder);
+  EXPECT_EQ(to_folder.status, 2);
+  EXPECT_THAT(to_folder.err, HasSubstr("is a folder, not the name of a file"));
   const Outcome gap = modsearch({"certify", "seed/fixed", "--gap", "0", "--out", folder / "c.json"}, folder);
   EXPECT_EQ(gap.status, 2);
   EXPECT_THAT(gap.err, HasSubstr("gap is 0, not in (0, 1]"));

@@ -382,6 +382,20 @@ TEST(Evaluate, EndsWithZeroForAnyValidDesign) {
   EXPECT_EQ(modsearch({"evaluate", "seed/fixed", folder / "empty.json"}, folder).status, 0);
 }
 
+TEST(Evaluate, TakesTheInstanceThatASolutionNames) {
+  const TemporaryFolder folder;
+  const Outcome solved =
+      modsearch({"solve", "seed/random_obstacles", "--instance", "0:3", "--json", "--out", folder / "out"}, folder);
+  ASSERT_EQ(solved.status, 0) << solved.err;
+  const std::string file = folder / "out/solution.json";
+  const json own = json::parse(modsearch({"evaluate", "seed/random_obstacles", file, "--json"}, folder).out);
+  EXPECT_EQ(own.at("instance"), (json{{"seed", 0}, {"index", 3}}));
+  EXPECT_EQ(own.at("score"), json::parse(solved.out).at("score"));
+  const Outcome other =
+      modsearch({"evaluate", "seed/random_obstacles", file, "--instance", "0:0", "--json"}, folder);
+  EXPECT_NE(json::parse(other.out).at("score"), own.at("score"));
+}
+
 TEST(Render, MakesThePageOfASolution) {
   const TemporaryFolder folder;
   ASSERT_EQ(modsearch({"solve", "seed/fixed", "--out", folder / "out"}, folder).status, 0);

@@ -7,6 +7,7 @@
 #include <modsearch/solvers/verification.hpp>
 #include <numbers>
 
+#include "baselines/tiny_problems.hpp"
 #include "contracts/problem_contract.hpp"
 #include "problem/one_module_optimum.hpp"
 #include "problem/temporary_folder.hpp"
@@ -306,6 +307,17 @@ TEST(PerSequence, StopsAtItsBudgetOfEvaluations) {
   const Solution solution = PerSequence{}.solve(*problem, meter, Rng{0});
   EXPECT_EQ(solution.spent.evaluations, 3);
   EXPECT_EQ(solution.stop, StopReason::kEvaluations);
+}
+
+// Stacks have no smooth programs: nothing is optimised, and nothing is said of what was.
+TEST(PerSequence, SaysThatAProblemHasNoSmoothPrograms) {
+  const testing::Stacks problem{
+      {.library = testing::blocks({true, true}), .values = {2.0, 1.0}, .goal = 2, .max_modules = 3}};
+  Meter meter{{.evaluations = 100}};
+  const Solution solution = PerSequence{}.solve(problem, meter, Rng{1});
+  EXPECT_EQ(solution.stop, StopReason::kExhausted);
+  EXPECT_NE(solution.reason.find("has a smooth program, so that nothing was optimised"), std::string::npos)
+      << solution.reason;
 }
 
 }  // namespace

@@ -105,11 +105,11 @@ TEST(LibraryFile, ReadsABodyWithoutCollision) {
 TEST(LibraryFile, TakesAContinuousJointWithoutLimitsAndNoOther) {
   const TemporaryFolder folder;
   json library = json::parse(text_of(kSeed));
-  json& joint = library["modules"][1]["joints"][0];
+  json& joint = library["modules"][2]["joints"][0];
   joint.erase("limits");
   joint["type"] = "continuous";
   const auto read = load_library(folder.write("library.json", library.dump()).string());
-  const Joint& turning = read->type(0).joints[0].joint;
+  const Joint& turning = read->type(1).joints[0].joint;
   EXPECT_EQ(turning.lower, -std::numeric_limits<double>::infinity());
   EXPECT_EQ(turning.upper, std::numeric_limits<double>::infinity());
   EXPECT_EQ(turning.peak_torque, std::numeric_limits<double>::infinity());
