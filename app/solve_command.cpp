@@ -110,6 +110,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
     chosen.options.emplace_back("refine", "true");
   }
   const auto [file, instance, as_given] = choose_problem(arguments.problem, arguments.instance, common.files);
+  const std::optional<Sampling>& sampling = file.sampling;
   std::shared_ptr<const RobotProblem> problem = as_given;
   if (arguments.at_path_level) problem = std::make_shared<RobotProblem>(problem->with_level(Level::kPath));
   std::optional<OutputLock> lock;
@@ -210,7 +211,7 @@ Status solve(const SolveArguments& arguments, const CommonArguments& common, std
     }
     const Page page = page_of_solution(*problem, shown,
                                        {.path = record.evaluation.attempt.path,
-                                        .sampling = file.sampling,
+                                        .sampling = sampling,
                                         .trace = meter.trace(),
                                         .command = common.command,
                                         .reason = reason});

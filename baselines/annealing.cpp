@@ -145,7 +145,7 @@ void Walk::restore(const Archive& archive) {
   cycle_ = static_cast<int>(counts[1]);
   taken_ = static_cast<int>(counts[2]);
   idle_ = static_cast<int>(counts[3]);
-  rank_ = {static_cast<Rank::Level>(counts[4]), numbers[0], numbers[1]};
+  rank_ = restored_rank(archive, "anneal/counts", counts[4], numbers[0], numbers[1]);
   step_ = numbers[2];
 }
 

@@ -181,7 +181,7 @@ void Restarts::restore(const Archive& archive) {
     archive.fail("cmaes/counts", fmt::format("has {} slots (limit: {})", slots_, problem_.max_modules() - 1));
   }
   stale_ = static_cast<int>(counts[5]);
-  best_ = {static_cast<Rank::Level>(counts[6]), best[0], best[1]};
+  best_ = restored_rank(archive, "cmaes/counts", counts[6], best[0], best[1]);
   const std::vector<std::int64_t> waiting = archive.integers("cmaes/waiting");
   waiting_.assign(waiting.begin(), waiting.end());
   cma_.reset();

@@ -118,6 +118,7 @@ void DesignTree::save(Archive& archive) const {
 
 void DesignTree::restore(const Archive& archive) {
   constexpr std::size_t kRow = 7;
+  constexpr std::int64_t kMostVisits = std::int64_t{1} << 40U;  // a million seconds of them; sums of these are numbers
   const std::vector<std::int64_t> numbers = archive.integers("tree/nodes");
   const std::vector<double> ranks = archive.numbers("tree/ranks");
   const std::vector<double> parameters = archive.numbers("tree/parameters");
@@ -130,6 +131,7 @@ void DesignTree::restore(const Archive& archive) {
   nodes_.assign(1, {});
   for (std::size_t i = 0; i < n; ++i) {
     const std::int64_t* const row = &numbers[kRow * i];
+    check(row[2] >= 0 && row[2] <= kMostVisits);
     if (i > 0) {
       check(row[0] >= 0 && row[0] < static_cast<std::int64_t>(i));
       const int parent = static_cast<int>(row[0]);
@@ -149,8 +151,8 @@ void DesignTree::restore(const Archive& archive) {
     Node& each = nodes_[i];
     each.visits = row[2];
     each.finished = row[3] != 0;
-    each.own = {static_cast<Rank::Level>(row[5]), ranks[4 * i], ranks[4 * i + 1]};
-    each.best = {static_cast<Rank::Level>(row[6]), ranks[4 * i + 2], ranks[4 * i + 3]};
+    each.own = restored_rank(archive, "tree/nodes", row[5], ranks[4 * i], ranks[4 * i + 1]);
+    each.best = restored_rank(archive, "tree/nodes", row[6], ranks[4 * i + 2], ranks[4 * i + 3]);
     if (row[4] != 0) expand(static_cast<int>(i));
   }
 }

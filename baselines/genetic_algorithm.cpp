@@ -238,7 +238,7 @@ void Evolution::restore(const Archive& archive) {
   if (ranks.size() != 2 * designs.size()) archive.fail("ga/ranks", "does not hold two numbers per design");
   population_.clear();
   for (std::size_t i = 0; i < designs.size(); ++i) {
-    population_.push_back({designs[i], {static_cast<Rank::Level>(levels[i]), ranks[2 * i], ranks[2 * i + 1]}});
+    population_.push_back({designs[i], restored_rank(archive, "ga/levels", levels[i], ranks[2 * i], ranks[2 * i + 1])});
   }
   const std::vector<std::uint64_t> seen = archive.unsigned_integers("ga/seen");
   seen_ = {seen.begin(), seen.end()};

@@ -92,4 +92,11 @@ std::optional<SearchEnd> pointless(const Meter& meter, const DesignProblem& prob
                    Bound{to_beat, "number of modules and least mass by reach"}};
 }
 
+Rank restored_rank(const Archive& archive, const std::string& entry, std::int64_t level, double within, double score) {
+  constexpr auto kLast = static_cast<std::int64_t>(Rank::Level::kAchieved);
+  if (level < 0 || level > kLast) archive.fail(entry, fmt::format("holds level {} (limit: [0, {}])", level, kLast));
+  if (std::isnan(within) || std::isnan(score)) archive.fail(entry, "has a rank that is not a number");
+  return {static_cast<Rank::Level>(level), within, score};
+}
+
 }  // namespace modsearch

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <modsearch/solvers/archive.hpp>
 #include <modsearch/solvers/solver.hpp>
 #include <optional>
 #include <string>
@@ -30,6 +32,11 @@ struct Rank {
   /// Greater is better.
   friend auto operator<=>(const Rank&, const Rank&) = default;
 };
+
+/// The rank that a checkpoint holds as these numbers. Throws FileError, naming `entry`, for a level that there is not
+/// and for what is not a number: ranks are sorted by.
+[[nodiscard]] Rank restored_rank(const Archive& archive, const std::string& entry, std::int64_t level, double within,
+                                 double score);
 
 [[nodiscard]] Rank rank(const Evaluation& evaluation);
 

@@ -176,7 +176,7 @@ std::string with_bare_infinity(std::string text) {
 ordered_json to_json(const ModuleLibrary& library, const LibraryStyle& style) {
   constexpr const char* kRules[] = {"rigid", "via_joint", "rigid_via_joint"};
   ordered_json out{{"ignore_collisions", kRules[static_cast<std::size_t>(library.neighbour_rule())]}};
-  out["modules"] = {ModuleWriter{library.base(), style}.module()};
+  out["modules"] = ordered_json::array({ModuleWriter{library.base(), style}.module()});  // {one} is no list to clang
   for (int k = 0; k < library.n_types(); ++k) out["modules"].push_back(ModuleWriter{library.type(k), style}.module());
   return out;
 }

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,11 @@
 
 namespace modsearch {
 namespace {
+
+// What no search comes to; a checkpoint that holds more was not written by one, and sums would overflow.
+constexpr std::int64_t kMostCounted = std::int64_t{1} << 53U;
+constexpr double kMostSeconds = 3e9;  // a century
+bool is_count(std::int64_t number) { return number >= 0 && number <= kMostCounted; }
 
 // The score of `design`, or the worst there is where the problem fails; then `what` says what it had to say.
 // NaN compares false with everything: left alone, it would be neither better nor worse than any other score.
@@ -165,6 +172,7 @@ void Meter::restore(const Archive& archive, const DesignProblem& problem) {
   const std::vector<std::int64_t> counts = archive.integers("meter/counts");
   // A checkpoint of an earlier version does not tell: then any of them may have been.
   if (counts.size() != 7 && counts.size() != 8) archive.fail("meter/counts", "does not hold 8 numbers");
+  if (!std::all_of(counts.begin(), counts.end(), is_count)) archive.fail("meter/counts", "holds what is no count");
   progress_ = {
       .evaluations = counts[0],
       .failed = counts[1],
@@ -173,14 +181,23 @@ void Meter::restore(const Archive& archive, const DesignProblem& problem) {
       .work = {.forward = counts[3], .ik_iterations = counts[4], .distances = counts[5], .planner_states = counts[6]}};
   const std::vector<std::int64_t> outcomes = archive.integers("meter/outcomes");
   if (outcomes.size() != kFailures) archive.fail("meter/outcomes", "does not hold one number per outcome");
+  if (!std::all_of(outcomes.begin(), outcomes.end(), is_count))
+    archive.fail("meter/outcomes", "holds what is no count");
   std::copy(outcomes.begin(), outcomes.end(), progress_.outcomes.begin());
-  start_ = std::chrono::steady_clock::now() - std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                                  std::chrono::duration<double>(archive.number("meter/seconds")));
+  const double seconds = archive.number("meter/seconds");
+  if (!(seconds >= 0.0 && seconds <= kMostSeconds)) {
+    archive.fail("meter/seconds", fmt::format("is {} (limit: [0, {}])", seconds, kMostSeconds));
+  }
+  start_ = std::chrono::steady_clock::now() -
+           std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(seconds));
   first_failure_ = archive.text("meter/first failure");
   const std::vector<double> trace = archive.numbers("meter/trace");
   if (trace.size() % 4 != 0) archive.fail("meter/trace", "does not hold four numbers per point");
   trace_.clear();
   for (std::size_t i = 0; i < trace.size(); i += 4) {
+    if (!(trace[i] >= 0.0 && trace[i] <= static_cast<double>(kMostCounted))) {
+      archive.fail("meter/trace", "holds what is no count");
+    }
     trace_.push_back({static_cast<std::int64_t>(trace[i]), trace[i + 1], trace[i + 2], trace[i + 3] != 0.0});
   }
   std::optional<std::string> failure;  // counted when it was evaluated first

@@ -33,7 +33,7 @@ json twisted_seed() {
   far["r_com"] = {0, 0, 0};
   far["collision"] = {{{"type", "box"}, {"parameters", {{"x", 0.2}, {"y", 0.1}, {"z", 0.1}}}, {"pose", height(0)}}};
   json& connectors = link["bodies"][0]["connectors"];
-  far["connectors"] = {connectors[1]};
+  far["connectors"] = json::array({connectors[1]});  // {one} is no list to clang
   far["connectors"][0]["pose"] = height(0);
   connectors.erase(1);
   link["bodies"].push_back(far);
