@@ -227,7 +227,9 @@ double brute_force(const Arm& arm, const Eigen::Vector3d& t) {
   }
   std::sort(grid.begin(), grid.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Eigen::VectorXd> used;
-  for (const auto& [d, start] : grid) {
+  for (const auto& each : grid) {
+    const double d = each.first;
+    const Eigen::VectorXd& start = each.second;
     if (used.size() == 12 || d > grid.front().first + 0.1) break;
     if (std::any_of(used.begin(), used.end(), [&](const auto& q) { return (q - start).cwiseAbs().maxCoeff() < 0.3; })) {
       continue;
