@@ -69,7 +69,7 @@ std::vector<Vector> from_bytes(std::string_view bytes) {
   return vectors;
 }
 
-/// A process of its own reads the file: assimp crashes on some that are damaged (docs/fuzzing.md), in places that no
+/// A process of its own reads the file: assimp runs away on some that are damaged (docs/fuzzing.md), in places that no
 /// look at the file beforehand would find, short of reading it.
 TriangleMesh load_by_assimp(const std::filesystem::path& file, const std::string& extension) {
   if (std::find(kKinds.begin(), kKinds.end(), extension) == kKinds.end()) {
